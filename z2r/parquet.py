@@ -1,0 +1,174 @@
+"""Parquet columns as numpy arrays: checked, read-only, and without pandas.
+
+Two costs are avoided on purpose. `pyarrow.parquet.read_table` imports the whole dataset machinery (about 0.4 s), and
+`to_numpy` on an Arrow array imports pandas where it is installed (0.3 to 0.6 s); `ParquetFile` and DLPack need neither.
+"""
+
+import itertools
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+from z2r.errors import DatasetError
+
+_NOT_NUMERIC = "numbers, one for each frame"
+
+
+def open_parquet(path: Path) -> pq.ParquetFile:
+    """Open a parquet file and read its footer.
+
+    Raises
+    ------
+    DatasetError
+        If the file is missing, or is no whole parquet file.
+    """
+    try:
+        return pq.ParquetFile(path, memory_map=True)
+    except FileNotFoundError:
+        raise DatasetError(
+            path, "", found="no such file", expected="a parquet file", mend="Copy or download the dataset again"
+        ) from None
+    except (pa.ArrowException, OSError) as error:
+        raise _unreadable(path, error) from error
+
+
+def read_columns(file: pq.ParquetFile, path: Path, columns: Sequence[str], n_rows: int | None = None) -> pa.Table:
+    """Read columns of an open parquet file.
+
+    Parameters
+    ----------
+    file : ParquetFile
+        From `open_parquet`.
+    path : Path
+        Where it was opened, for the error messages.
+    columns : sequence of str
+        Names of top-level columns.
+    n_rows : int, optional
+        Read no more row groups than the first `n_rows` rows need. All rows unless given.
+
+    Returns
+    -------
+    Table
+        The columns, at least `n_rows` rows of them where the file has as many.
+
+    Raises
+    ------
+    DatasetError
+        If a column is missing or the bytes cannot be decoded.
+    """
+    present = file.schema_arrow.names
+    for column in columns:
+        if column not in present:
+            raise DatasetError(
+                path, column, found=f"no such column among {', '.join(present)}", expected=f"a column {column}"
+            )
+    try:
+        return file.read_row_groups(_leading_row_groups(file, n_rows), columns=list(columns))
+    except (pa.ArrowException, OSError) as error:
+        raise _unreadable(path, error) from error
+
+
+def integers(table: pa.Table, column: str, path: Path) -> NDArray[np.int64]:
+    """Return one integer column as a read-only array, int64[n_rows].
+
+    Raises
+    ------
+    DatasetError
+        If the column holds anything but whole numbers, or has gaps.
+    """
+    array = _one_array(table, column)
+    if not pa.types.is_integer(array.type):
+        raise DatasetError(path, column, found=f"type {array.type}", expected="whole numbers")
+    _check_no_gaps(array, path, column)
+    return np.from_dlpack(array).astype(np.int64, copy=False)
+
+
+def vectors(table: pa.Table, column: str, shape: Sequence[int], path: Path) -> NDArray[np.generic]:
+    """Return one numeric column as a read-only array, one flattened vector for each row.
+
+    Parameters
+    ----------
+    table : Table
+        From `read_columns`.
+    column : str
+        Name of a column of numbers, or of (nested) lists of numbers.
+    shape : sequence of int
+        The shape that the schema declares for one row. ``(1,)`` also stands for a plain number.
+    path : Path
+        For the error messages.
+
+    Returns
+    -------
+    ndarray, (n_rows, prod(shape)), of the column's own dtype
+        Booleans are returned as uint8.
+
+    Raises
+    ------
+    DatasetError
+        If a row has another shape, is missing, or is not numeric.
+    """
+    array = _one_array(table, column)
+    n_rows = len(array)
+    for size in () if tuple(shape) == (1,) and not _is_list(array.type) else shape:
+        _check_no_gaps(array, path, column)
+        array = _flatten_lists(array, size, shape, path, column)
+    _check_no_gaps(array, path, column)
+    if pa.types.is_boolean(array.type):
+        array = array.cast(pa.uint8())
+    if not (pa.types.is_integer(array.type) or pa.types.is_floating(array.type)):
+        raise DatasetError(path, column, found=f"values of type {array.type}", expected=_NOT_NUMERIC)
+    return np.from_dlpack(array).reshape(n_rows, math.prod(shape))
+
+
+def _leading_row_groups(file: pq.ParquetFile, n_rows: int | None) -> list[int]:
+    n_groups = file.metadata.num_row_groups
+    if n_rows is None or n_rows >= file.metadata.num_rows:
+        return list(range(n_groups))
+    ends = itertools.accumulate(file.metadata.row_group(i).num_rows for i in range(n_groups))
+    needed = next((i + 1 for i, end in enumerate(ends) if end >= n_rows), n_groups)
+    return list(range(needed))
+
+
+def _one_array(table: pa.Table, column: str) -> pa.Array:
+    array = table.column(column).combine_chunks()
+    # Two-dimensional features are stored as an extension type of the `datasets` library, around plain nested lists.
+    return array.storage if isinstance(array, pa.ExtensionArray) else array
+
+
+def _flatten_lists(array: pa.Array, size: int, shape: Sequence[int], path: Path, column: str) -> pa.Array:
+    expected = f"{size} numbers in each row, as its shape {tuple(shape)} in meta/info.json says"
+    if pa.types.is_fixed_size_list(array.type):
+        if array.type.list_size != size:
+            raise DatasetError(path, column, found=f"{array.type.list_size} in each row", expected=expected)
+    elif _is_list(array.type):
+        sizes = np.diff(np.from_dlpack(array.offsets))
+        if np.any(sizes != size):
+            row = int(np.argmax(sizes != size))
+            raise DatasetError(path, column, found=f"{sizes[row]} in row {row}", expected=expected)
+    else:
+        raise DatasetError(path, column, found=f"values of type {array.type}", expected=expected)
+    return array.flatten()
+
+
+def _is_list(kind: pa.DataType) -> bool:
+    return bool(pa.types.is_fixed_size_list(kind) or pa.types.is_list(kind) or pa.types.is_large_list(kind))
+
+
+def _check_no_gaps(array: pa.Array, path: Path, column: str) -> None:
+    if array.null_count:
+        raise DatasetError(path, column, found=f"{array.null_count} empty values", expected=_NOT_NUMERIC)
+
+
+def _unreadable(path: Path, error: Exception) -> DatasetError:
+    return DatasetError(
+        path,
+        "",
+        found=f"bytes that pyarrow cannot read ({str(error).splitlines()[0] if str(error) else type(error).__name__})",
+        expected="a whole parquet file",
+        mend="It was cut off or damaged: copy or record it again",
+    )
