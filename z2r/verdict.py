@@ -1,0 +1,87 @@
+"""What the simulator said of a recording, kept beside the dataset and not in it.
+
+A dataset holds no verdict. To grade a reading one needs it, so `z2r record OUT` writes `OUT.verdict.json`.
+"""
+
+import os
+from pathlib import Path
+
+import msgspec
+
+from z2r.errors import DatasetError
+
+
+class Verdict(msgspec.Struct, frozen=True):
+    """How one episode ended in the simulator.
+
+    Attributes
+    ----------
+    seed : int
+        Seed of the episode.
+    n_frames : int
+        Number of frames stored: one for each action.
+    success : bool
+        Whether the environment latched success.
+    pos_err : float
+        Distance from the block to the target after the last action [m]. This observation is not stored.
+    ang_err : float
+        How far the block was turned away from the target then [rad], in [0, pi].
+    """
+
+    seed: int
+    n_frames: int
+    success: bool
+    pos_err: float
+    ang_err: float
+
+
+class Recording(msgspec.Struct, frozen=True):
+    """How a dataset was recorded, and what came of it.
+
+    Attributes
+    ----------
+    command : str
+        The command that records it again.
+    stack : dict of str to str
+        Version of everything that decides what the simulator does. Another stack gives other lengths.
+    episodes : list of Verdict
+        One for each episode, in order.
+    """
+
+    command: str
+    stack: dict[str, str]
+    episodes: list[Verdict]
+
+
+def verdict_path(root: str | os.PathLike[str]) -> Path:
+    """Return where the verdict on the dataset at `root` is kept, whether it is there or not."""
+    root = Path(root)
+    return root.with_name(f"{root.name}.verdict.json")
+
+
+def write_verdict(root: Path, recording: Recording) -> None:
+    """Write the verdict beside the dataset at `root`."""
+    verdict_path(root).write_bytes(msgspec.json.format(msgspec.json.encode(recording), indent=2) + b"\n")
+
+
+def read_verdict(root: str | os.PathLike[str]) -> Recording | None:
+    """Read the verdict beside the dataset at `root`; None where there is none.
+
+    Raises
+    ------
+    DatasetError
+        If the file is there and is no verdict.
+
+    Examples
+    --------
+    >>> import z2r
+    >>> all(verdict.success for verdict in z2r.read_verdict(z2r.STANDIN).episodes)
+    True
+    """
+    path = verdict_path(root)
+    if not path.is_file():
+        return None
+    try:
+        return msgspec.json.decode(path.read_bytes(), type=Recording)
+    except msgspec.MsgspecError as error:
+        raise DatasetError(path, "", found=f"{error}", expected="a verdict as z2r record writes it") from error
