@@ -4,14 +4,14 @@ Modules that are slow to import are imported where they are used, so that `--hel
 """
 
 import contextlib
-import importlib.metadata
 import sys
 import tempfile
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-import typer
+import rich_click as click
 
 from z2r.breaks import BREAK_MODES, BreakMode, break_mode
 from z2r.data import SHIPPED
@@ -21,122 +21,130 @@ from z2r.pusht.task import DEMO_NOISE, MAX_STEPS
 if TYPE_CHECKING:
     from z2r.dataset import Dataset
 
-OUT = Path("z2r-out")
-SMOKE_STEPS = 40
+_SMOKE_STEPS = 40
 _SHIPPED_EPISODES = 6
-
-app = typer.Typer(
-    no_args_is_help=True, rich_markup_mode="markdown", pretty_exceptions_enable=False, add_completion=False
-)
+_MODES_HELP = "; ".join(f"`{mode.name}`: {mode.assumption}" for mode in BREAK_MODES.values())
 
 
 def main() -> None:
     """Run the command line; bad input is one line on stderr and exit code 2."""
     try:
-        app()
+        cli(prog_name="z2r")
     except (DatasetError, MissingExtraError, OSError) as error:
-        typer.echo(f"z2r: {error}", err=True)
+        click.echo(f"z2r: {error}", err=True)
         sys.exit(2)
 
 
-def _print_version(wanted: bool) -> None:
-    if wanted:
-        typer.echo(f"z2r {importlib.metadata.version('z2r')}")
-        raise typer.Exit
-
-
-@app.callback()
-def _root(
-    version: Annotated[
-        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
-    ] = False,
-) -> None:
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.rich_config({"text_markup": "markdown"})
+@click.version_option(package_name="z2r", prog_name="z2r", message="%(prog)s %(version)s")
+def cli() -> None:
     """**Seeing Like a Robot**: read a robot dataset before you train on it.
 
     Start with `z2r inspect`: it reads six demonstrations that come with the package.
     """
 
 
-def _known_mode(name: str | None) -> str | None:
-    if name is not None:
-        try:
-            break_mode(name)
-        except ValueError as error:
-            raise typer.BadParameter(str(error)) from None
-    return name
-
-
-_MODES_HELP = "; ".join(f"`{mode.name}`: {mode.assumption}" for mode in BREAK_MODES.values())
-
-
-@app.command()
+@cli.command()
+@click.argument("dataset", type=click.Path(path_type=Path), required=False)
+@click.option("--episodes", type=click.IntRange(min=1), metavar="N", help="Read the first N episodes only.")
+@click.option("--seed", type=click.IntRange(min=0), metavar="S", help="Record episodes afresh, from this seed on.")
+@click.option("--smoke", is_flag=True, help=f"Record afresh, cut episodes at {_SMOKE_STEPS} frames, write no .rrd.")
+@click.option(
+    "--break",
+    "break_name",
+    type=click.Choice(list(BREAK_MODES)),
+    metavar="MODE",
+    help=f"Read it wrong on purpose. {_MODES_HELP}.",
+)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, file_okay=False),
+    default=Path("z2r-out"),
+    show_default=True,
+    metavar="DIR",
+    help="Folder for `metrics.json` and `inspect.rrd`.",
+)
+@click.option("--no-rerun", is_flag=True, help="Write no `inspect.rrd`.")
+@click.option("--json", "as_json", is_flag=True, help="Print `metrics.json` and nothing else.")
 def inspect(
-    dataset: Annotated[
-        Path | None,
-        typer.Argument(
-            help="Folder of a LeRobot v3 dataset, or the name of a shipped one: `standin`, `messy`.",
-            show_default="standin",
-        ),
-    ] = None,
-    episodes: Annotated[int | None, typer.Option(min=1, help="Read the first N episodes only.", metavar="N")] = None,
-    seed: Annotated[
-        int | None, typer.Option(min=0, help="Record episodes afresh, from this seed on.", metavar="S")
-    ] = None,
-    smoke: Annotated[
-        bool, typer.Option("--smoke", help=f"Record afresh, cut episodes at {SMOKE_STEPS} frames, write no .rrd.")
-    ] = False,
-    break_name: Annotated[
-        str | None,
-        typer.Option("--break", callback=_known_mode, metavar="MODE", help=f"Read it wrong on purpose. {_MODES_HELP}."),
-    ] = None,
-    out: Annotated[Path, typer.Option(help="Folder for metrics.json and inspect.rrd.", metavar="DIR")] = OUT,
-    no_rerun: Annotated[bool, typer.Option("--no-rerun", help="Write no inspect.rrd.")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print metrics.json and nothing else.")] = False,
+    dataset: Path | None,
+    episodes: int | None,
+    seed: int | None,
+    smoke: bool,
+    break_name: str | None,
+    out: Path,
+    no_rerun: bool,
+    as_json: bool,
 ) -> None:
     """Say what is in a dataset: what a frame is, where episodes end, how many reached the target.
 
-    A dataset stores no success. It is reconstructed: the block's last stored pose, held against the target.
-    The dataset itself is never written to.
+    DATASET is the folder of a LeRobot v3 dataset, or the name of one that comes with the package: `standin` (read
+    where none is named) or `messy`. It is never written to.
 
-    - `z2r inspect` reads what comes with the package
+    A dataset stores no success. It is reconstructed: the block's last stored pose, held against the target.
+
     - `z2r inspect my_dataset` reads yours
     - `z2r inspect --break yaw-swap` reads it wrong, to show what that looks like
     - `rerun z2r-out/inspect.rrd` replays what was read
     """
-    afresh = dataset is None and (smoke or seed is not None or (episodes or 0) > _SHIPPED_EPISODES)
     if dataset is not None and (smoke or seed is not None):
-        raise typer.BadParameter("--seed and --smoke record afresh: leave DATASET out, or leave them out")
+        raise click.UsageError("--seed and --smoke record afresh: leave DATASET out, or leave them out")
+    afresh = dataset is None and (smoke or seed is not None or (episodes or 0) > _SHIPPED_EPISODES)
     mode = break_mode(break_name) if break_name else None
     with contextlib.ExitStack() as stack:
         if afresh:
-            wanted = _Wanted(episodes or _SHIPPED_EPISODES, seed or 0, SMOKE_STEPS if smoke else MAX_STEPS)
-            root = stack.enter_context(_recorded_afresh(wanted, quiet=as_json))
+            wanted = _Wanted(episodes or _SHIPPED_EPISODES, seed or 0, _SMOKE_STEPS if smoke else MAX_STEPS)
+            root, title = stack.enter_context(_recorded_afresh(wanted, quiet=as_json)), "recorded afresh"
         else:
             root = _find(dataset)
-        _inspect(root, "recorded afresh" if afresh else root.name, episodes, mode, out, no_rerun or smoke, as_json)
+            title = root.resolve().name
+        _inspect(root, title, episodes, mode, out, no_rerun or smoke, as_json)
 
 
-@app.command()
-def record(
-    out: Annotated[Path, typer.Argument(help="Folder to make. It must not exist.")],
-    episodes: Annotated[int, typer.Option(min=1, help="How many episodes.", metavar="N")] = _SHIPPED_EPISODES,
-    seed: Annotated[int, typer.Option(min=0, help="Seed of the first one; the next has the next.", metavar="S")] = 0,
-    noise: Annotated[
-        float, typer.Option(min=0.0, help="Standard deviation of the noise on each action [m/s].", metavar="STD")
-    ] = DEMO_NOISE,
-    max_steps: Annotated[
-        int, typer.Option(min=1, help="Frames after which an episode times out.", metavar="N")
-    ] = MAX_STEPS,
-) -> None:
+@cli.command()
+@click.argument("out", type=click.Path(path_type=Path))
+@click.option(
+    "--episodes",
+    type=click.IntRange(min=1),
+    default=_SHIPPED_EPISODES,
+    show_default=True,
+    metavar="N",
+    help="How many episodes.",
+)
+@click.option(
+    "--seed",
+    type=click.IntRange(min=0),
+    default=0,
+    show_default=True,
+    metavar="S",
+    help="Seed of the first episode; each next one has the next.",
+)
+@click.option(
+    "--noise",
+    type=click.FloatRange(min=0),
+    default=DEMO_NOISE,
+    show_default=True,
+    metavar="STD",
+    help="Standard deviation of the noise on each action, in m/s.",
+)
+@click.option(
+    "--max-steps",
+    type=click.IntRange(min=1),
+    default=MAX_STEPS,
+    show_default=True,
+    metavar="N",
+    help="Frames after which an episode times out.",
+)
+def record(out: Path, episodes: int, seed: int, noise: float, max_steps: int) -> None:
     """Record demonstrations: a scripted expert pushes the block onto the target in the simulator.
 
-    Writes a LeRobot v3 dataset to OUT and the simulator's verdict on every episode beside it, to OUT.verdict.json.
-    Needs the simulator and LeRobot: `pip install 'z2r[record]'`.
+    Writes a LeRobot v3 dataset to OUT, which must not exist, and beside it what the simulator said of every episode,
+    to `OUT.verdict.json`. Needs the simulator and LeRobot: `pip install 'z2r[record]'`.
     """
-    from z2r.terminal import console
-
     _record(out, _Wanted(episodes, seed, max_steps), noise, quiet=False)
-    console().print(f"{out} holds the dataset, {out}.verdict.json what the simulator said. Next: z2r inspect {out}")
+    click.echo(f"wrote {out}, a LeRobot dataset, and {out}.verdict.json, what the simulator said of it")
+    click.echo(f"next: z2r inspect {out}")
 
 
 class _Wanted(NamedTuple):
@@ -179,9 +187,9 @@ def _inspect(
     from z2r.verdict import read_verdict
     from z2r.wallclock import nearest_run
 
-    screen = console(as_json)
     if out.resolve().is_relative_to(root.resolve()):
-        raise typer.BadParameter(f"{out} is inside the dataset, which is never written to: name another --out")
+        raise click.UsageError(f"{out} is inside the dataset, which is never written to: name another --out")
+    screen = console(as_json)
     dataset = load(root)
     if episodes is not None:
         dataset = _first(dataset, episodes)
@@ -196,14 +204,15 @@ def _inspect(
     out.mkdir(parents=True, exist_ok=True)
     (out / "metrics.json").write_bytes(metrics)
     screen.print(summary(inspection, title))
-    screen.print(f"wrote {out / 'metrics.json'}")
+    say = partial(screen.print, soft_wrap=True)
+    say(f"wrote {out / 'metrics.json'}")
     if not no_rerun:
         from z2r.replay import write_replay
 
         replay = write_replay(dataset, out / "inspect.rrd", inspection.reading, inspection.episodes)
-        screen.print(f"wrote {replay.path}: look at it with `rerun {replay.path}`")
+        say(f"wrote {replay.path}: look at it with `rerun {replay.path}`")
         if replay.n_frames < dataset.episodes.n_frames:
-            screen.print(
+            say(
                 f"it shows the first {replay.n_episodes:,} of {len(inspection.episodes):,} episodes"
                 f" ({replay.n_frames:,} of {dataset.episodes.n_frames:,} frames); the others are left out"
             )
@@ -215,4 +224,4 @@ def _first(dataset: "Dataset", episodes: int) -> "Dataset":
     try:
         return dataset.first(episodes)
     except ValueError as error:
-        raise typer.BadParameter(f"--episodes: {error}") from None
+        raise click.UsageError(f"--episodes: {error}") from None

@@ -19,7 +19,7 @@ class DatasetError(Exception):
 
     Examples
     --------
-    >>> print(DatasetError(Path("meta/info.json"), "fps", "-10", "a positive number"))
+    >>> print(DatasetError(Path("meta/info.json"), "fps", found="-10", expected="a positive number"))
     meta/info.json: fps: found -10, expected a positive number
     """
 

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from z2r.errors import DatasetError
 
-_NOT_NUMERIC = "numbers, one for each frame"
+_NUMERIC = "numbers, one for each frame"
+_MOST_NAMES = 12  # as many as one line of an error holds
 
 
 def open_parquet(path: Path) -> pq.ParquetFile:
@@ -64,9 +65,7 @@ def read_columns(file: pq.ParquetFile, path: Path, columns: Sequence[str], n_row
     present = file.schema_arrow.names
     for column in columns:
         if column not in present:
-            raise DatasetError(
-                path, column, found=f"no such column among {', '.join(present)}", expected=f"a column {column}"
-            )
+            raise DatasetError(path, column, found="no such column", expected=f"it among {_some(present)}")
     try:
         return file.read_row_groups(_leading_row_groups(file, n_rows), columns=list(columns))
     except (pa.ArrowException, OSError) as error:
@@ -121,7 +120,7 @@ def vectors(table: pa.Table, column: str, shape: Sequence[int], path: Path) -> N
     if pa.types.is_boolean(array.type):
         array = array.cast(pa.uint8())
     if not (pa.types.is_integer(array.type) or pa.types.is_floating(array.type)):
-        raise DatasetError(path, column, found=f"values of type {array.type}", expected=_NOT_NUMERIC)
+        raise DatasetError(path, column, found=f"values of type {array.type}", expected=_NUMERIC)
     return np.from_dlpack(array).reshape(n_rows, math.prod(shape))
 
 
@@ -142,17 +141,23 @@ def _one_array(table: pa.Table, column: str) -> pa.Array:
 
 def _flatten_lists(array: pa.Array, size: int, shape: Sequence[int], path: Path, column: str) -> pa.Array:
     expected = f"{size} numbers in each row, as its shape {tuple(shape)} in meta/info.json says"
+    # `array.flatten()` would do, but imports pyarrow.compute, which costs more than reading a small dataset.
     if pa.types.is_fixed_size_list(array.type):
         if array.type.list_size != size:
             raise DatasetError(path, column, found=f"{array.type.list_size} in each row", expected=expected)
-    elif _is_list(array.type):
-        sizes = np.diff(np.from_dlpack(array.offsets))
+        return array.values.slice(array.offset * size, len(array) * size)
+    if _is_list(array.type):
+        offsets = np.from_dlpack(array.offsets)
+        sizes = np.diff(offsets)
         if np.any(sizes != size):
             row = int(np.argmax(sizes != size))
             raise DatasetError(path, column, found=f"{sizes[row]} in row {row}", expected=expected)
-    else:
-        raise DatasetError(path, column, found=f"values of type {array.type}", expected=expected)
-    return array.flatten()
+        return array.values.slice(offsets[0], len(array) * size)
+    raise DatasetError(path, column, found=f"values of type {array.type}", expected=expected)
+
+
+def _some(names: Sequence[str]) -> str:
+    return ", ".join(names[:_MOST_NAMES]) + (", ..." if len(names) > _MOST_NAMES else "")
 
 
 def _is_list(kind: pa.DataType) -> bool:
@@ -161,7 +166,8 @@ def _is_list(kind: pa.DataType) -> bool:
 
 def _check_no_gaps(array: pa.Array, path: Path, column: str) -> None:
     if array.null_count:
-        raise DatasetError(path, column, found=f"{array.null_count} empty values", expected=_NOT_NUMERIC)
+        found = f"no value in {array.null_count} of {len(array)} rows"
+        raise DatasetError(path, column, found=found, expected=_NUMERIC)
 
 
 def _unreadable(path: Path, error: Exception) -> DatasetError:

@@ -236,11 +236,18 @@ def _wrong_value(raw: bytes, message: str, path: Path, inside_field: str) -> Dat
     if missing := re.search("missing required field `(.*)`", what):
         field = ".".join(filter(None, [inside_field, missing[1]]))
         return DatasetError(path, field, found="nothing", expected="this field")
-    value = msgspec.json.decode(raw)
-    for key in re.findall(r"\.(\w+)", where):
-        value = value[key] if isinstance(value, dict) else value
     field = (inside_field + where.rstrip("`")).lstrip(".")
-    return DatasetError(path, field, found=f"{value!r:.60}", expected=what.removeprefix("Expected ").split(",")[0])
+    expected = what.removeprefix("Expected ").split(",")[0]
+    return DatasetError(path, field, found=_excerpt(raw, re.findall(r"\.(\w+)", where)), expected=expected)
+
+
+def _excerpt(raw: bytes, keys: Sequence[str]) -> str:
+    try:
+        for key in keys:
+            raw = bytes(msgspec.json.decode(raw, type=dict[str, msgspec.Raw])[key])
+    except (msgspec.MsgspecError, RecursionError):
+        return "something else"
+    return raw[:60].decode(errors="replace")
 
 
 def _check_version(version: str, path: Path) -> None:

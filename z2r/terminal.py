@@ -7,7 +7,6 @@ import numpy as np
 from rich import box
 from rich.bar import Bar
 from rich.console import Console, Group, RenderableType
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 from rich.text import Text
 
@@ -101,9 +100,9 @@ def _episode_table(inspection: Inspection) -> Table:
     table = _table("Where episodes end")
     for name in ("episode", "from", "length"):
         table.add_column(name, justify="right")
-    table.add_column("", width=20)
+    table.add_column("", width=12)
     if outcome:
-        for name in ("off by [m]", "and [rad]", "reached"):
+        for name in ("pos_err [m]", "ang_err [rad]", "reached"):
             table.add_column(name, justify="right")
     for episode in range(min(len(episodes), MAX_ROWS)):
         length = int(episodes.lengths[episode])
@@ -145,7 +144,13 @@ def console(quiet: bool = False) -> Console:
 @contextlib.contextmanager
 def progress(doing: str, unit: str, quiet: bool) -> Iterator[Callable[[int, int], None]]:
     """Show a progress bar on stderr while something runs; lend the function that moves it: (done, total)."""
+    screen = Console(stderr=True)
+    if quiet or not screen.is_terminal:
+        yield lambda done, total: None
+        return
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
     columns = (TextColumn(doing), BarColumn(), MofNCompleteColumn(), TextColumn(unit), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True, disable=quiet) as bar:
+    with Progress(*columns, console=screen, transient=True) as bar:
         task = bar.add_task(doing, total=None)
         yield lambda done, total: bar.update(task, completed=done, total=total)

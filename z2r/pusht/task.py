@@ -47,7 +47,7 @@ TASK = "push the T onto the target"
 def in_tolerance(pos_err: float, ang_err: float) -> bool:
     """Whether a position error [m] and a yaw error [rad] are both within the task's tolerances.
 
-    >>> in_tolerance(0.01, 0.1), in_tolerance(0.01, math.pi)
+    >>> in_tolerance(0.01, 0.1), in_tolerance(0.01, 3.1)
     (True, False)
     """
     return pos_err <= POS_TOL and ang_err <= ANG_TOL

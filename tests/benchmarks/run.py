@@ -1,0 +1,269 @@
+"""How much faster than the reference flow? Ratios of medians, both sides in one run on one machine.
+
+    python tests/benchmarks/run.py [--runs 5] [--frames 1000000] [--ledger]
+
+The reference flow is in `reference.py`; on a million frames it takes minutes. `--ledger` prints rows for
+`z2r/wallclock.csv` instead. Exit code 1 where a target is missed.
+"""
+
+import argparse
+import importlib.metadata
+import json
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pyarrow.parquet as pq
+from rich.console import Console
+from rich.table import Table
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE.parent))
+
+from layouts import lay_out  # noqa: E402 -- a sibling of this folder
+
+import z2r  # noqa: E402
+from z2r.dataset import map_files  # noqa: E402
+from z2r.replay import write_replay  # noqa: E402
+from z2r.wallclock import machine_tier  # noqa: E402
+
+FEATURES = ["observation.state", "action"]
+Z2R = [sys.executable, "-c", "from z2r.cli import main; main()"]
+REFERENCE = [sys.executable, str(HERE / "reference.py")]
+
+
+class Process(NamedTuple):
+    seconds: float
+    mebibytes: float
+    output: str
+
+
+class Row(NamedTuple):
+    """One measure: ours, the reference's, and what the ratio must be."""
+
+    measure: str
+    ours: str
+    reference: str
+    ratio: float
+    target: str
+    met: bool
+
+
+# A child begins with its parent's peak memory: start each from an interpreter that has nothing loaded.
+LAUNCHER = """
+import json, os, resource, subprocess, sys, time
+start = time.perf_counter()
+done = subprocess.run(sys.argv[1:], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=True)
+seconds = time.perf_counter() - start
+peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
+print(json.dumps([seconds, peak, done.stdout.decode()]))
+"""
+
+
+def run_process(command: list[str], cwd: Path) -> Process:
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    environment["PYTHONPATH"] = str(HERE.parent)
+    launch = [sys.executable, "-c", LAUNCHER, *command]
+    done = subprocess.run(launch, cwd=cwd, env=environment, capture_output=True, check=True)
+    return Process(*json.loads(done.stdout))
+
+
+def alternate(first: Callable[[], object], second: Callable[[], object], runs: int) -> tuple[list, list]:
+    """Run both in turn, so that a slow minute of the machine hits both; once before, to fill caches."""
+    first(), second()
+    pairs = [(first(), second()) for _ in range(runs)]
+    return [a for a, _ in pairs], [b for _, b in pairs]
+
+
+def timed(work: Callable[[], object]) -> Callable[[], float]:
+    def run() -> float:
+        start = time.perf_counter()
+        work()
+        return time.perf_counter() - start
+
+    return run
+
+
+def median(processes: list[Process], field: str) -> float:
+    return statistics.median(getattr(process, field) for process in processes)
+
+
+def inspect_against_reference(name: str, root: Path, scratch: Path, runs: int, faster: float) -> list[Row]:
+    ours, theirs = alternate(
+        lambda: run_process([*Z2R, "inspect", str(root), "--no-rerun", "--out", name], scratch),
+        lambda: run_process([*REFERENCE, "inspect", str(root)], scratch),
+        runs,
+    )
+    metrics = json.loads((scratch / name / "metrics.json").read_text())
+    expected = json.loads(theirs[0].output)
+    assert {key: metrics[key] for key in expected} == expected, "the two flows disagree"
+    seconds = median(ours, "seconds"), median(theirs, "seconds")
+    memory = median(ours, "mebibytes"), median(theirs, "mebibytes")
+    return [
+        Row(
+            f"inspect, {name}: time",
+            f"{seconds[0]:.2f} s",
+            f"{seconds[1]:.2f} s",
+            seconds[1] / seconds[0],
+            f">= {faster:g}",
+            seconds[1] / seconds[0] >= faster,
+        ),
+        Row(
+            f"inspect, {name}: peak memory",
+            f"{memory[0]:.0f} MiB",
+            f"{memory[1]:.0f} MiB",
+            memory[1] / memory[0],
+            ">= 5",
+            memory[1] / memory[0] >= 5,
+        ),
+    ]
+
+
+def memory_by_number_of_files(few: Path, many: Path, scratch: Path, runs: int) -> Row:
+    def inspect(root: Path) -> Process:
+        return run_process([*Z2R, "inspect", str(root), "--no-rerun"], scratch)
+
+    ours, theirs = alternate(lambda: inspect(many), lambda: inspect(few), runs)
+    memory = median(ours, "mebibytes"), median(theirs, "mebibytes")
+    ratio = memory[0] / memory[1]
+    return Row(
+        "inspect: memory of 4 times the files of one size",
+        f"{memory[0]:.0f} MiB",
+        f"{memory[1]:.0f} MiB",
+        ratio,
+        "<= 1.15",
+        ratio <= 1.15,
+    )
+
+
+def read_against_bare_pyarrow(root: Path, runs: int) -> Row:
+    dataset = z2r.load(root)
+
+    def bare() -> None:
+        for file in dataset.files:
+            pq.ParquetFile(file.path, memory_map=True).read(columns=FEATURES)
+
+    ours, theirs = alternate(
+        timed(lambda: map_files(dataset, FEATURES, lambda _, frames: frames)), timed(bare), 3 * runs
+    )
+    ratio = statistics.median(ours) / statistics.median(theirs)
+    return Row(
+        "state and action, every frame",
+        f"{statistics.median(ours):.3f} s",
+        f"{statistics.median(theirs):.3f} s (bare pyarrow)",
+        ratio,
+        "<= 1.3",
+        ratio <= 1.3,
+    )
+
+
+def replay_against_rows(root: Path, scratch: Path, runs: int) -> Row:
+    dataset = z2r.load(root)
+    assert dataset.episodes.n_frames == 10_000
+    from z2r.reading import PUSHT
+
+    write_replay(dataset, scratch / "warm.rrd", PUSHT, dataset.episodes)
+    sys.path.insert(0, str(HERE))
+    from reference import replay
+
+    ours, theirs = alternate(
+        timed(lambda: write_replay(dataset, scratch / "ours.rrd", PUSHT, dataset.episodes)),
+        timed(lambda: replay(10_000, str(scratch / "theirs.rrd"))),
+        runs,
+    )
+    ratio = statistics.median(theirs) / statistics.median(ours)
+    return Row(
+        "write the .rrd of 10,000 frames",
+        f"{statistics.median(ours):.2f} s",
+        f"{statistics.median(theirs):.2f} s",
+        ratio,
+        ">= 10",
+        ratio >= 10,
+    )
+
+
+def import_against_bare_interpreter(scratch: Path, runs: int) -> Row:
+    ours, theirs = alternate(
+        lambda: run_process([sys.executable, "-c", "import z2r"], scratch),
+        lambda: run_process([sys.executable, "-c", "pass"], scratch),
+        5 * runs,
+    )
+    seconds = median(ours, "seconds"), median(theirs, "seconds")
+    return Row(
+        "import z2r over a bare interpreter",
+        f"{seconds[0]:.3f} s",
+        f"{seconds[1]:.3f} s",
+        seconds[0] / seconds[1],
+        "<= 0.1 s more",
+        seconds[0] - seconds[1] <= 0.1,
+    )
+
+
+def even(total: int, parts: int) -> list[int]:
+    return [len(part) for part in np.array_split(np.arange(total), parts)]
+
+
+def lay_out_even(root: Path, n_frames: int, n_files: int) -> Path:
+    n_episodes = n_frames // 100
+    lay_out(root, even(n_frames, n_episodes), files=even(n_episodes, n_files), shards=even(n_episodes, 4))
+    return root
+
+
+def print_ledger(big: Path, scratch: Path, runs: int) -> None:
+    stack = f"Python {sys.version.split()[0]}; " + "; ".join(
+        f"{name} {importlib.metadata.version(name)}" for name in ("pyarrow", "rerun-sdk", "mujoco", "lerobot")
+    )
+    commands: list[tuple[str, int, list[str]]] = [
+        (command, z2r.load(root).episodes.n_frames, [*command.split(), str(root)])
+        for root in (z2r.STANDIN, big)
+        for command in ("inspect", "inspect --no-rerun")
+    ]
+    commands += [("record", n, ["record", "recorded", "--episodes", str(n)]) for n in (6, 60)]
+    for command, size, args in commands:
+        seconds = []
+        for _ in range(runs + 1):
+            with tempfile.TemporaryDirectory(dir=scratch) as folder:
+                seconds.append(run_process([*Z2R, *args], Path(folder)).seconds)
+        print(f"{machine_tier()},{command},{size},{statistics.median(seconds[1:]):.2f},{runs},{stack}", flush=True)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--runs", type=int, default=5)
+    parser.add_argument("--frames", type=int, default=1_000_000)
+    parser.add_argument("--ledger", action="store_true")
+    args = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        scratch = Path(folder)
+        big = lay_out_even(scratch / "big", args.frames, n_files=8)
+        if args.ledger:
+            print_ledger(big, scratch, args.runs)
+            return
+        quarter = lay_out_even(scratch / "quarter", args.frames // 4, n_files=2)
+        small = lay_out_even(scratch / "small", 10_000, n_files=1)
+        rows = [
+            *inspect_against_reference("six episodes", z2r.STANDIN, scratch, args.runs, faster=15),
+            *inspect_against_reference(f"{args.frames:,} frames", big, scratch, min(args.runs, 3), faster=100),
+            memory_by_number_of_files(quarter, big, scratch, args.runs),
+            read_against_bare_pyarrow(big, args.runs),
+            replay_against_rows(small, scratch, min(args.runs, 3)),
+            import_against_bare_interpreter(scratch, args.runs),
+        ]
+    table = Table("measure", "z2r", "reference", "ratio", "target", "", title=f"{machine_tier()}, medians")
+    for row in rows:
+        table.add_row(
+            row.measure, row.ours, row.reference, f"{row.ratio:.2f}", row.target, "met" if row.met else "MISSED"
+        )
+    Console().print(table)
+    sys.exit(not all(row.met for row in rows))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,114 @@
+"""The reader against LeRobotDataset, value by value."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from layouts import lay_out, random_frames
+
+import z2r
+from z2r.dataset import map_files
+
+
+def oracle(root: Path):
+    from lerobot.datasets.lerobot_dataset import LeRobotDataset
+
+    return LeRobotDataset("test/test", root=root, video_backend="pyav")
+
+
+def assert_same_as_lerobot(root: Path) -> None:
+    theirs, ours = oracle(root), z2r.load(root)
+    assert ours.schema.fps == theirs.fps
+    assert list(ours.schema.features) == list(theirs.features)
+    assert ours.episodes.from_index.tolist() == list(theirs.meta.episodes["dataset_from_index"])
+    assert ours.episodes.to_index.tolist() == list(theirs.meta.episodes["dataset_to_index"])
+    for feature in theirs.features:
+        expected = np.stack(theirs.hf_dataset.with_format("numpy")[:][feature]).reshape(len(theirs), -1)
+        np.testing.assert_array_equal(ours.read(feature), expected)
+    for episode, (start, stop) in enumerate(zip(ours.episodes.from_index, ours.episodes.to_index, strict=True)):
+        belongs = theirs.hf_dataset.with_format("numpy")[int(start) : int(stop)]["episode_index"]
+        assert set(belongs.tolist()) == {episode}
+
+
+def test_every_value_is_what_lerobot_reads(recorded):
+    dataset = z2r.load(recorded)
+    assert len(dataset.files) > 3
+    assert len(list((recorded / "meta/episodes").rglob("*.parquet"))) > 3
+    assert_same_as_lerobot(recorded)
+
+
+@pytest.mark.parametrize("shipped", [z2r.STANDIN, z2r.MESSY], ids=["standin", "messy"])
+def test_every_value_of_the_shipped_data_is_what_lerobot_reads(shipped):
+    assert_same_as_lerobot(shipped)
+
+
+def test_a_dataset_laid_out_by_hand_is_one_that_lerobot_reads(tmp_path):
+    lay_out(tmp_path / "dataset", lengths=[3, 1, 5, 2], files=[1, 3], shards=[2, 2])
+    assert_same_as_lerobot(tmp_path / "dataset")
+
+
+@st.composite
+def layouts(draw):
+    lengths = draw(st.lists(st.integers(1, 12), min_size=1, max_size=12))
+
+    def split():
+        cuts = draw(st.lists(st.integers(1, len(lengths)), unique=True))
+        ends = sorted({*cuts, len(lengths)})
+        return [end - start for start, end in zip([0, *ends], ends, strict=False)]
+
+    return lengths, split(), split()
+
+
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(layout=layouts(), n_episodes=st.integers(1, 12))
+def test_any_layout_of_files_and_shards_reads_back_what_was_written(layout, n_episodes, tmp_path_factory):
+    lengths, files, shards = layout
+    root = tmp_path_factory.mktemp("layout") / "dataset"
+    lay_out(root, lengths, files, shards)
+    file_lengths = [sum(chunk) for chunk in np.split(lengths, np.cumsum(files)[:-1])]
+    written = [random_frames(length, seed) for seed, length in enumerate(file_lengths)]
+    states = np.concatenate([state for state, _ in written])
+
+    dataset = z2r.load(root)
+    assert dataset.episodes.lengths.tolist() == lengths
+    np.testing.assert_array_equal(dataset.read("observation.state"), states)
+    np.testing.assert_array_equal(dataset.read("action"), np.concatenate([action for _, action in written]))
+
+    few = dataset.first(min(n_episodes, len(lengths)))
+    np.testing.assert_array_equal(few.read("observation.state"), states[: few.episodes.n_frames])
+
+
+def test_file_1000_comes_after_file_999(tmp_path):
+    n = 1002
+    lay_out(tmp_path / "dataset", lengths=[1] * n, files=[1] * n, shards=[1] * n, chunk_size=2000)
+    dataset = z2r.load(tmp_path / "dataset")
+    assert dataset.read("index")[:, 0].tolist() == list(range(n))
+
+
+def test_the_first_episodes_are_read_without_touching_the_files_of_the_others(recorded, tmp_path):
+    dataset = z2r.load(recorded)
+    few = dataset.first(2)
+    assert len(few.files) < len(dataset.files)
+    assert few.episodes.lengths.tolist() == dataset.episodes.lengths[:2].tolist()
+
+
+@pytest.mark.parametrize("n_episodes", [0, -1, 13])
+def test_asking_for_episodes_that_are_not_there_says_how_many_there_are(recorded, n_episodes):
+    with pytest.raises(ValueError, match="1 to 12"):
+        z2r.load(recorded).first(n_episodes)
+
+
+def test_arrays_are_read_only(recorded):
+    frames = map_files(z2r.load(recorded), ["action"], lambda _, frames: frames)[0]
+    with pytest.raises(ValueError, match="read-only"):
+        frames["action"][0, 0] = 1
+
+
+def test_progress_counts_frames_up_to_the_last_one(recorded):
+    dataset, seen = z2r.load(recorded), []
+    map_files(dataset, ["action"], lambda *_: None, lambda done, total: seen.append((done, total)))
+    n = dataset.episodes.n_frames
+    assert seen == [(file.to_index, n) for file in dataset.files]
+    assert seen[-1] == (n, n)

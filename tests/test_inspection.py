@@ -1,0 +1,162 @@
+import json
+
+import numpy as np
+import pytest
+from layouts import lay_out
+from test_dataset import oracle
+
+import z2r
+from z2r.breaks import BREAK_MODES
+from z2r.inspection import metrics_json
+from z2r.reading import PUSHT
+
+
+def slow_reading(root, tee_yaw, target_yaw) -> tuple[list[bool], list[float], list[float]]:
+    """What the last frames say, the plain way: LeRobotDataset, item by item, scalar by scalar."""
+    dataset = oracle(root)
+    reached, pos_errs, ang_errs = [], [], []
+    for stop in dataset.meta.episodes["dataset_to_index"]:
+        state = [float(value) for value in dataset[stop - 1]["observation.state"]]
+        _, _, x, y, tee_sin, tee_cos, target_x, target_y, target_sin, target_cos = state
+        pos_err = ((x - target_x) ** 2 + (y - target_y) ** 2) ** 0.5
+        turn = tee_yaw(tee_sin, tee_cos) - target_yaw(target_sin, target_cos)
+        ang_err = abs(np.arctan2(np.sin(turn), np.cos(turn)))
+        reached.append(bool(pos_err <= 0.03 and ang_err <= 0.2))
+        pos_errs.append(pos_err)
+        ang_errs.append(ang_err)
+    return reached, pos_errs, ang_errs
+
+
+def swapped(sin_yaw, cos_yaw):
+    return np.arctan2(cos_yaw, sin_yaw)
+
+
+@pytest.mark.parametrize(
+    ("mode", "tee_yaw", "target_yaw"),
+    [
+        (None, np.arctan2, np.arctan2),
+        ("yaw-swap", swapped, np.arctan2),
+        ("yaw-swap-everywhere", swapped, swapped),
+    ],
+)
+def test_outcomes_are_what_a_plain_loop_over_lerobot_finds(recorded, mode, tee_yaw, target_yaw):
+    outcome = z2r.inspect_dataset(z2r.load(recorded), mode and z2r.break_mode(mode)).outcome
+    reached, pos_err, ang_err = slow_reading(recorded, tee_yaw, target_yaw)
+    assert outcome.reached.tolist() == reached
+    np.testing.assert_allclose(outcome.final_pos_err, pos_err, atol=1e-6)
+    np.testing.assert_allclose(outcome.final_ang_err, ang_err, atol=1e-6)
+
+
+def test_the_recorded_episodes_are_a_mix_so_that_the_comparison_means_something(recorded):
+    reached = z2r.inspect_dataset(z2r.load(recorded)).outcome.reached
+    assert 0 < reached.sum() < len(reached)
+
+
+@pytest.mark.parametrize("mode", [None, *BREAK_MODES])
+def test_ranges_are_those_of_each_episodes_frames(recorded, mode):
+    dataset = z2r.load(recorded)
+    inspection = z2r.inspect_dataset(dataset, mode and z2r.break_mode(mode))
+    for feature, ranges in inspection.ranges.items():
+        values = dataset.read(feature)
+        assert len(ranges.low) == len(inspection.episodes)
+        for episode in range(len(inspection.episodes)):
+            own = values[inspection.episodes[episode]]
+            np.testing.assert_array_equal(ranges.low[episode], own.min(axis=0))
+            np.testing.assert_array_equal(ranges.high[episode], own.max(axis=0))
+
+
+SIGNATURES = {
+    # first three episodes of the shipped dataset: how many reached of how many episodes
+    None: (3, 3),
+    "yaw-swap": (0, 3),
+    "drop-boundaries": (1, 1),
+    "yaw-swap-everywhere": (3, 3),
+}
+
+
+@pytest.mark.parametrize("mode", SIGNATURES)
+def test_each_break_mode_leaves_its_signature_on_the_first_three(mode):
+    outcome = z2r.inspect_dataset(z2r.load(z2r.STANDIN).first(3), mode and z2r.break_mode(mode)).outcome
+    assert (outcome.n_reached, len(outcome.reached)) == SIGNATURES[mode]
+
+
+def test_every_break_mode_has_a_signature_here():
+    assert set(BREAK_MODES) == set(SIGNATURES) - {None}
+
+
+def test_yaw_swap_changes_nothing_but_the_yaw():
+    right, wrong = (
+        z2r.inspect_dataset(z2r.load(z2r.STANDIN), mode).metrics("x", 0) for mode in (None, z2r.break_mode("yaw-swap"))
+    )
+    changed = {key for key in right if right[key] != wrong[key]}
+    assert changed == {"break_mode", "reached", "n_reached", "success_rate", "final_ang_err"}
+
+
+def test_the_two_swaps_of_yaw_swap_everywhere_cancel():
+    right, wrong = (
+        z2r.inspect_dataset(z2r.load(z2r.MESSY), mode).outcome for mode in (None, z2r.break_mode("yaw-swap-everywhere"))
+    )
+    np.testing.assert_allclose(wrong.final_ang_err, right.final_ang_err, atol=1e-6)
+    assert wrong.reached.tolist() == right.reached.tolist()
+
+
+def test_dropped_boundaries_leave_one_episode_that_ends_where_the_last_one_does(recorded):
+    dataset = z2r.load(recorded)
+    right, wrong = (z2r.inspect_dataset(dataset, mode) for mode in (None, z2r.break_mode("drop-boundaries")))
+    assert wrong.episodes.lengths.tolist() == [right.episodes.n_frames]
+    assert wrong.outcome.final_pos_err == right.outcome.final_pos_err[-1]
+
+
+def test_an_unknown_break_mode_is_answered_with_those_there_are():
+    with pytest.raises(ValueError, match="yaw-swap, drop-boundaries, yaw-swap-everywhere"):
+        z2r.break_mode("yaw")
+
+
+def test_metrics_agree_with_each_other_and_are_the_same_bytes_each_time(recorded):
+    def metrics() -> bytes:
+        return metrics_json(z2r.inspect_dataset(z2r.load(recorded)).metrics("recorded", None))
+
+    first = metrics()
+    assert metrics() == first
+    read = json.loads(first)
+    assert read["n_frames"] == sum(read["episode_lengths"])
+    assert read["n_episodes"] == len(read["episode_lengths"]) == len(read["reached"]) == len(read["final_pos_err"])
+    assert read["n_reached"] == sum(read["reached"])
+    assert read["success_rate"] == round(read["n_reached"] / read["n_episodes"], 6)
+    assert read["mean_episode_length"] == round(read["n_frames"] / read["n_episodes"], 6)
+    assert (read["obs_dim"], read["act_dim"], read["fps"], read["seed"]) == (10, 2, 10, None)
+    assert list(read)[:7] == ["source", "seed", "break_mode", "obs_dim", "act_dim", "fps", "feature_keys"]
+
+
+def test_a_dataset_of_another_robot_is_summed_up_without_an_outcome(standin_copy):
+    path = standin_copy / "meta/info.json"
+    path.write_text(path.read_text().replace("tee_x", "cube_x"))
+    inspection = z2r.inspect_dataset(z2r.load(standin_copy))
+    assert inspection.outcome is None
+    assert inspection.missing == ("tee_x",)
+    metrics = inspection.metrics("x", None)
+    assert metrics["reached"] is metrics["success_rate"] is metrics["final_ang_err"] is None
+    assert metrics["n_frames"] == z2r.load(z2r.STANDIN).episodes.n_frames
+
+
+def test_a_dataset_without_state_or_names_is_summed_up(tmp_path):
+    lay_out(tmp_path / "dataset", [3, 4], files=[2], shards=[2])
+    path = tmp_path / "dataset/meta/info.json"
+    info = json.loads(path.read_text())
+    del info["features"]["observation.state"]
+    info["features"]["action"]["names"] = None
+    path.write_text(json.dumps(info))
+    inspection = z2r.inspect_dataset(z2r.load(tmp_path / "dataset"))
+    assert list(inspection.ranges) == ["action"]
+    assert inspection.metrics("x", None)["obs_dim"] is None
+
+
+def test_thousands_of_episodes_in_many_files_are_counted_right(tmp_path):
+    lengths = np.random.default_rng(0).integers(1, 5, size=3000)
+    lay_out(tmp_path / "dataset", lengths, files=[100] * 30, shards=[1000] * 3)
+    dataset = z2r.load(tmp_path / "dataset")
+    outcome = z2r.inspect_dataset(dataset).outcome
+    last = dataset.read("observation.state")[np.cumsum(lengths) - 1]
+    errors = z2r.frame_errors(last, PUSHT, dataset.schema)
+    assert outcome.reached.tolist() == z2r.in_tolerance(errors, PUSHT).tolist()
+    assert 0 < outcome.n_reached < 3000

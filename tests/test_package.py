@@ -1,0 +1,103 @@
+"""How the package is built: cheap to import, layered, and reading without what recording needs."""
+
+import ast
+import csv
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import z2r
+from z2r.wallclock import LEDGER, nearest_run, read_ledger
+
+PACKAGE = Path(z2r.__file__).parent
+
+LAYERS = [
+    ["errors", "angles", "pusht.task", "data"],
+    ["parquet", "verdict", "wallclock", "schema"],
+    ["episodes", "reading"],
+    ["dataset", "success", "breaks"],
+    ["inspection"],
+    ["replay", "terminal", "pusht.env", "pusht.expert"],
+    ["recorder"],
+    ["cli"],
+]
+LAYER = {module: number for number, layer in enumerate(LAYERS) for module in layer}
+SIMULATOR_SIDE = {"pusht.env", "pusht.expert", "recorder", "cli"}
+
+
+def module_name(path: Path) -> str:
+    return ".".join(path.relative_to(PACKAGE).with_suffix("").parts).removesuffix(".__init__")
+
+
+def imports(path: Path) -> set[str]:
+    """Modules of the package that one of its files imports, also inside functions."""
+    nodes = [node for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.ImportFrom)]
+    found = set()
+    for node in nodes:
+        if node.module == "z2r":
+            found |= {alias.name for alias in node.names}
+        elif node.module and node.module.startswith("z2r."):
+            inner = node.module.removeprefix("z2r.")
+            found |= {inner} if inner in LAYER else {f"{inner}.{alias.name}" for alias in node.names}
+    return found
+
+
+SOURCES = {module_name(path): path for path in PACKAGE.rglob("*.py") if module_name(path) not in ("__init__", "pusht")}
+
+
+def test_every_module_has_a_layer():
+    assert set(SOURCES) == set(LAYER)
+
+
+@pytest.mark.parametrize("module", SOURCES)
+def test_imports_point_downwards(module):
+    for imported in imports(SOURCES[module]):
+        assert LAYER[imported] <= LAYER[module], f"{module} imports {imported}"
+        assert module in SIMULATOR_SIDE or imported not in SIMULATOR_SIDE, (
+            f"{module} imports the simulator's {imported}"
+        )
+
+
+def loaded_by(statement: str) -> set[str]:
+    program = f"import sys; {statement}; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    return set(done.stdout.split())
+
+
+def test_importing_the_package_loads_nothing_heavy():
+    assert not loaded_by("import z2r") & {"numpy", "pyarrow", "rich", "rerun", "matplotlib", "msgspec"}
+
+
+def test_reading_loads_nothing_that_it_does_not_need():
+    loaded = loaded_by("import z2r; z2r.inspect_dataset(z2r.load(z2r.STANDIN))")
+    assert not loaded & {"pandas", "torch", "lerobot", "mujoco", "datasets", "rerun", "matplotlib", "pyarrow.dataset"}
+    assert "pyarrow.compute" not in loaded
+    assert "pyarrow" in loaded
+
+
+def test_every_public_name_is_there():
+    assert len(z2r.__all__) > 20
+    for name in z2r.__all__:
+        assert getattr(z2r, name).__doc__
+    with pytest.raises(AttributeError):
+        _ = z2r.no_such_name
+
+
+def test_the_ledger_holds_measured_runs():
+    with LEDGER.open() as file:
+        assert len(list(csv.DictReader(file))) == len(read_ledger()) > 0
+    for run in read_ledger():
+        assert run.seconds > 0
+        assert run.runs >= 3
+        assert run.size > 0
+
+
+def test_the_ledger_answers_with_the_next_larger_run_of_the_same_tier():
+    runs = [run for run in read_ledger() if run.command == "inspect --no-rerun"]
+    small, large = min(runs, key=lambda run: run.size), max(runs, key=lambda run: run.size)
+    assert small.size < large.size
+    assert nearest_run(small.command, small.size, small.tier) == small
+    assert nearest_run(small.command, large.size * 10, small.tier) == large
+    assert nearest_run(small.command, 1, "a tier that nobody measured") is None
