@@ -2,16 +2,21 @@
 
 import ast
 import csv
+import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
 
 import z2r
 from z2r.wallclock import LEDGER, nearest_run, read_ledger
 
 PACKAGE = Path(z2r.__file__).parent
+PYPROJECT = PACKAGE.parent / "pyproject.toml"
+PINS = Path(__file__).with_name("colab-pins.txt")
 
 LAYERS = [
     ["errors", "angles", "pusht.task", "data"],
@@ -101,3 +106,21 @@ def test_the_ledger_answers_with_the_next_larger_run_of_the_same_tier():
     assert nearest_run(small.command, small.size, small.tier) == small
     assert nearest_run(small.command, large.size * 10, small.tier) == large
     assert nearest_run(small.command, 1, "a tier that nobody measured") is None
+
+
+def test_the_example_in_the_readme_runs():
+    readme = (PACKAGE.parent / "README.md").read_text()
+    [example] = re.findall("```python\n(.*?)```", readme, re.DOTALL)
+    names: dict[str, object] = {}
+    exec(example, names)
+    assert len(names["pos_err"]) == z2r.load(z2r.STANDIN).episodes.lengths[0]
+    assert z2r.episode_reached(names["first"], z2r.PUSHT, names["dataset"].schema)
+
+
+def test_what_colab_has_preinstalled_is_admitted():
+    pins = dict(line.split("==") for line in PINS.read_text().splitlines() if "==" in line)
+    wanted = [Requirement(line) for line in tomllib.loads(PYPROJECT.read_text())["project"]["dependencies"]]
+    shared = [requirement for requirement in wanted if requirement.name in pins]
+    assert {requirement.name for requirement in shared} >= {"numpy", "pyarrow", "matplotlib", "rich"}
+    for requirement in shared:
+        assert pins[requirement.name] in requirement.specifier, f"{requirement} would replace {pins[requirement.name]}"

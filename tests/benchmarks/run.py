@@ -242,11 +242,11 @@ def main() -> None:
     args = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         scratch = Path(folder)
-        big = lay_out_even(scratch / "big", args.frames, n_files=8)
+        big = lay_out_even(scratch / "big", args.frames, n_files=32)
         if args.ledger:
             print_ledger(big, scratch, args.runs)
             return
-        quarter = lay_out_even(scratch / "quarter", args.frames // 4, n_files=2)
+        quarter = lay_out_even(scratch / "quarter", args.frames // 4, n_files=8)
         small = lay_out_even(scratch / "small", 10_000, n_files=1)
         rows = [
             *inspect_against_reference("six episodes", z2r.STANDIN, scratch, args.runs, faster=15),
