@@ -68,6 +68,15 @@ def ragged(root: Path) -> None:
     pq.write_table(table.set_column(1, "action", pa.array(rows, pa.list_(pa.float32()))), root / DATA)
 
 
+def empty_episode(root: Path) -> None:
+    """Give the frames of episode 2 to episode 3; all sums still agree."""
+    start, stop = (pq.read_table(root / EPISODES).column(f"dataset_{end}_index").to_pylist() for end in ("from", "to"))
+    edit_column(root, EPISODES, "dataset_to_index", set_at(2, start[2]))
+    edit_column(root, EPISODES, "dataset_from_index", set_at(3, start[2]))
+    edit_column(root, EPISODES, "length", set_at(2, 0))
+    edit_column(root, EPISODES, "length", set_at(3, stop[3] - start[2]))
+
+
 def feature_without_a_dtype(root: Path) -> None:
     edit_info(root, features={"observation.state": {"shape": [10]}})
 
@@ -147,6 +156,7 @@ FAULTS: dict[str, tuple[Callable[[Path], object], str, str]] = {
         "meta/episodes",
         "dataset_from_index of episode 3: found 1",
     ),
+    "an episode without a frame": (empty_episode, "meta/episodes", "dataset_to_index of episode 2"),
     "file pointer to nowhere": (
         lambda root: edit_column(root, EPISODES, "data/file_index", set_at(5, 7)),
         "data/chunk-000/file-0",

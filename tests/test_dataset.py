@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -92,6 +93,14 @@ def test_the_first_episodes_are_read_without_touching_the_files_of_the_others(re
     few = dataset.first(2)
     assert len(few.files) < len(dataset.files)
     assert few.episodes.lengths.tolist() == dataset.episodes.lengths[:2].tolist()
+
+
+def test_the_first_episodes_of_a_file_that_is_one_row_group_are_cut_where_they_end(tmp_path):
+    lay_out(tmp_path / "dataset", lengths=[3, 4, 5], files=[3], shards=[3])
+    [file] = z2r.load(tmp_path / "dataset").files
+    pq.write_table(pq.read_table(file.path), file.path)
+    assert pq.ParquetFile(file.path).num_row_groups == 1
+    assert z2r.load(tmp_path / "dataset").first(2).read("index")[:, 0].tolist() == list(range(7))
 
 
 @pytest.mark.parametrize("n_episodes", [0, -1, 13])
