@@ -25,6 +25,7 @@ BOOKKEEPING = ("timestamp", "frame_index", "episode_index", "index", "task_index
 _NOT_NUMERIC = ("image", "video", "string", "language")
 _CONVERTER = "python -m lerobot.scripts.convert_dataset_v21_to_v30 --repo-id=REPO_ID"
 _MAX_INFO_BYTES = 64 * 2**20
+_MAX_SIGNAL_SIZE = 1024  # numbers a frame: more than that is a picture
 
 
 class Feature(msgspec.Struct, frozen=True):
@@ -60,7 +61,7 @@ class Feature(msgspec.Struct, frozen=True):
         names = self.names
         if isinstance(names, dict) and len(names) == 1:  # {"motors": [...]}
             (names,) = names.values()
-        if isinstance(names, Sequence) and len(names) == self.size and all(isinstance(name, str) for name in names):
+        if isinstance(names, list | tuple) and len(names) == self.size and all(isinstance(name, str) for name in names):
             return tuple(names)
         return ()
 
@@ -123,8 +124,12 @@ class Schema(msgspec.Struct, frozen=True):
         return [dims.index(name) for name in names]
 
     def signals(self) -> dict[str, Feature]:
-        """Return the numeric features that the robot saw or did: all but the bookkeeping."""
-        return {name: ft for name, ft in self.features.items() if ft.is_numeric and name not in BOOKKEEPING}
+        """Return the numeric features that the robot saw or did: all but the bookkeeping, pictures and depth maps."""
+        return {
+            name: feature
+            for name, feature in self.features.items()
+            if feature.is_numeric and feature.size <= _MAX_SIGNAL_SIZE and name not in BOOKKEEPING
+        }
 
 
 def read_schema(root: Path) -> Schema:
