@@ -172,7 +172,7 @@ def _record(out: Path, wanted: _Wanted, noise: float, quiet: bool) -> None:
     from z2r.terminal import console, expectation, progress
     from z2r.wallclock import nearest_run
 
-    console(quiet).print(expectation(nearest_run("record", wanted.episodes), "episodes"))
+    console(quiet).print(expectation(nearest_run("record", wanted.episodes), "episodes"), soft_wrap=True)
     seeds = range(wanted.seed, wanted.seed + wanted.episodes)
     with progress("recording", "episodes", quiet) as report:
         recorder.record(out, seeds, noise, wanted.max_steps, report)
@@ -194,7 +194,7 @@ def _inspect(
     if episodes is not None:
         dataset = _first(dataset, episodes)
     command = "inspect --no-rerun" if no_rerun else "inspect"
-    screen.print(expectation(nearest_run(command, dataset.episodes.n_frames), "frames"))
+    screen.print(expectation(nearest_run(command, dataset.episodes.n_frames), "frames"), soft_wrap=True)
     if mode:
         screen.print(wrong_on_purpose(mode))
     with progress("reading", "frames", as_json) as report:

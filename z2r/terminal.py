@@ -24,7 +24,7 @@ def expectation(run: Run | None, unit: str) -> Text:
     tier = Text(f"machine tier {machine_tier()}: ", style="dim")
     if run is None:
         return tier.append("not yet measured")
-    return tier.append(f"expected about {run.seconds:.2g} s (median of {run.runs} runs with {run.size:,} {unit})")
+    return tier.append(f"expect {run.seconds:.2g} s (median of {run.runs} runs, {run.size:,} {unit})")
 
 
 def wrong_on_purpose(mode: BreakMode) -> Text:
