@@ -224,7 +224,7 @@ def test_an_undamaged_copy_has_no_fault(standin_copy):
 
 
 def test_a_name_from_a_dataset_cannot_steer_the_terminal(standin_copy):
-    edit_info(standin_copy, codebase_version="v\x1b[2J\n2")
+    edit_info(standin_copy, features={"\x1b[2J\nname": {"shape": [1]}})
     with pytest.raises(z2r.DatasetError) as caught:
         read_all(standin_copy)
     assert str(caught.value).isprintable()

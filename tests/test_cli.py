@@ -79,10 +79,10 @@ def test_bad_arguments_exit_with_2_and_write_nothing(args, tmp_path):
 
 def test_names_from_a_dataset_are_not_taken_for_markup_or_escapes(standin_copy, tmp_path):
     path = standin_copy / "meta/info.json"
-    path.write_text(path.read_text().replace("pusher_vx", "[bold red]x[/]\\u001b[2J"))
+    path.write_text(path.read_text().replace("pusher_vx", "[bold red]:smile:[/]\\u001b[2J"))
     result = run("inspect", standin_copy, "--no-rerun", cwd=tmp_path)
     assert result.returncode == 0
-    assert "[bold red]x[/]" in result.stdout
+    assert "[bold red]:smile:[/]" in result.stdout
     assert "\x1b[2J" not in result.stdout
 
 

@@ -134,7 +134,8 @@ def _leading_row_groups(file: pq.ParquetFile, n_rows: int | None) -> list[int]:
 
 
 def _one_array(table: pa.Table, column: str) -> pa.Array:
-    array = table.column(column).combine_chunks()
+    chunks = table.column(column)
+    array = chunks.chunk(0) if chunks.num_chunks == 1 else chunks.combine_chunks()  # which would copy a single one
     # Two-dimensional features are stored as an extension type of the `datasets` library, around plain nested lists.
     return array.storage if isinstance(array, pa.ExtensionArray) else array
 

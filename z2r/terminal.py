@@ -69,7 +69,7 @@ def _schema_table(inspection: Inspection) -> Table:
     table.add_column("high", justify="right")
     rows = _schema_rows(inspection)
     for row in rows[: 2 * MAX_ROWS]:
-        table.add_row(*(Text(printable(cell)) for cell in row))
+        table.add_row(*map(printable, row))
     if len(rows) > 2 * MAX_ROWS:
         table.add_row(Text(f"and {len(rows) - 2 * MAX_ROWS:,} more dimensions", style="dim"))
     return table
@@ -138,7 +138,7 @@ def _reached(inspection: Inspection) -> Text:
 
 def console(quiet: bool = False) -> Console:
     """Return a console that prints what it is given and interprets no markup in it; if `quiet`, it prints nothing."""
-    return Console(quiet=quiet, markup=False, highlight=False)
+    return Console(quiet=quiet, markup=False, emoji=False, highlight=False)
 
 
 @contextlib.contextmanager
