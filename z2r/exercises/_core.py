@@ -1,0 +1,122 @@
+"""How an exercise answers. Three openings, nothing else: *not attempted yet*, *not yet*, *right*.
+
+An exercise is never an error: an untouched one says so, and *Run All* goes on.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+NOT_ATTEMPTED = "not attempted yet"
+NOT_YET = "not yet"
+RIGHT = "right"
+
+
+@dataclass(frozen=True)
+class Case:
+    """One trial of a learner's function.
+
+    Attributes
+    ----------
+    what : str
+        The trial in words, such as ``a yaw of 30 degrees``.
+    args : tuple
+        What the function is called with.
+    """
+
+    what: str
+    args: tuple[Any, ...]
+
+
+def judge_prediction(prediction: object, truth: object, why: str) -> None:
+    """Hold a prediction against what happens, and only then say why.
+
+    Parameters
+    ----------
+    prediction : object
+        What the learner put in place of None.
+    truth : object
+        What happens; floats are compared to within a percent.
+    why : str
+        The explanation, in a sentence or two.
+    """
+    if prediction is None or prediction is ...:
+        print(f"{NOT_ATTEMPTED}: put your prediction in place of {prediction}, then run the cell again.")
+    elif _same(prediction, truth, rtol=0.01):
+        print(f"{RIGHT}: it is {truth}. {why}")
+    else:
+        print(f"{NOT_YET}: you said {prediction!r}, it is {truth}. {why}")
+
+
+def judge_function(
+    function: Callable[..., Any],
+    reference: Callable[..., Any],
+    cases: Sequence[Case],
+    hint: str,
+    untouched: Callable[..., Any] | None = None,
+) -> Case | None:
+    """Try a learner's function on every case, and say what was expected and what it gave.
+
+    Parameters
+    ----------
+    function : callable
+        The learner's.
+    reference : callable
+        The package's own.
+    cases : sequence of Case
+        More than the example on the page.
+    hint : str
+        Said where an answer is wrong: which way to look, not the solution.
+    untouched : callable, optional
+        The function as the page hands it out, where it runs but is wrong.
+
+    Returns
+    -------
+    Case or None
+        The first case that went wrong, for a drawing; None where there is nothing to draw.
+    """
+    if _is_untouched(function, untouched, cases):
+        print(f"{NOT_ATTEMPTED}: change the function in this cell, then run the cell again.")
+        return None
+    for case in cases:
+        expected = reference(*case.args)
+        try:
+            got = function(*case.args)
+        except Exception as error:  # whatever the learner's code raises is an answer, not a crash
+            print(f"{NOT_YET}: for {case.what} your function raised {type(error).__name__}: {error}. {hint}")
+            return None
+        if not _same(got, expected):
+            print(f"{NOT_YET}: for {case.what}, expected {_shown(expected)} and got {_shown(got)}. {hint}")
+            return case
+    print(f"{RIGHT}: all {len(cases)} trials agree with z2r. Well read.")
+    return None
+
+
+def _is_untouched(function: Callable[..., Any], untouched: Callable[..., Any] | None, cases: Sequence[Case]) -> bool:
+    try:
+        answers = [function(*case.args) for case in cases]
+    except Exception:  # it was changed, if not for the better
+        return False
+    if untouched is None:
+        return all(answer is ... or answer is None for answer in answers)
+    return all(_same(answer, untouched(*case.args)) for answer, case in zip(answers, cases, strict=True))
+
+
+def _same(got: object, expected: object, rtol: float = 1e-6) -> bool:
+    if isinstance(expected, str | bool | None) or isinstance(got, str):
+        return bool(got == expected)
+    try:
+        found, wanted = np.asarray(got, dtype=float), np.asarray(expected, dtype=float)
+    except (TypeError, ValueError):
+        return False
+    return found.shape == wanted.shape and bool(np.allclose(found, wanted, rtol=rtol, atol=1e-9))
+
+
+def _shown(value: object) -> str:
+    if isinstance(value, float | np.floating):
+        return f"{value:.4g}"
+    if isinstance(value, np.ndarray):
+        return np.array2string(value, precision=4, threshold=6)
+    return f"{value}"
