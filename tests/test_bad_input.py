@@ -77,6 +77,11 @@ def empty_episode(root: Path) -> None:
     edit_column(root, EPISODES, "length", set_at(3, stop[3] - start[2]))
 
 
+def garble_a_column_name(root: Path) -> None:
+    data = (root / DATA).read_bytes()
+    (root / DATA).write_bytes(data.replace(b"task_index", b"t\xffsk_index"))
+
+
 def feature_without_a_dtype(root: Path) -> None:
     edit_info(root, features={"observation.state": {"shape": [10]}})
 
@@ -175,6 +180,7 @@ FAULTS: dict[str, tuple[Callable[[Path], object], str, str]] = {
     "data missing": (lambda root: (root / DATA).unlink(), DATA, "no such file"),
     "data cut": (lambda root: truncate(root / DATA, 0.5), DATA, "cut off"),
     "data empty": (lambda root: (root / DATA).write_bytes(b""), DATA, "cut off"),
+    "data with a garbled column name": (garble_a_column_name, DATA, "cut off or damaged"),
     "data is a folder": (lambda root: ((root / DATA).unlink(), (root / DATA).mkdir()), DATA, "expected"),
     "rows too many": (append_rows, DATA, "rows"),
     "data column missing": (lambda root: drop_column(root, DATA, "observation.state"), DATA, "observation.state"),

@@ -288,3 +288,19 @@ def test_what_cannot_be_drawn_is_refused(draw, message):
     with pytest.raises(ValueError, match=message):
         draw()
     assert plt.get_fignums() == []
+
+
+def test_seen_from_the_block_the_right_reading_leaves_it_empty():
+    dataset = z2r.load(z2r.STANDIN)
+    state = dataset.read("observation.state")
+    wrong = z2r.break_mode("yaw-swap").reading(z2r.PUSHT)
+    panels = figures.seen_from_block(state, z2r.PUSHT, wrong, dataset.schema).axes
+    n_inside = []
+    for axes in panels:
+        [block] = [collection for collection in axes.collections if collection.get_gid() == "block"]
+        [pushers] = [line for line in axes.lines if line.get_gid() == "pusher"]
+        assert len(pushers.get_xydata()) == len(state)
+        n_inside.append(int(block.get_paths()[0].contains_points(pushers.get_xydata()).sum()))
+        assert axes.get_xlabel() == "across the block [m]"
+        assert axes.get_aspect() == 1
+    assert n_inside[0] == 0 < n_inside[1]

@@ -18,15 +18,17 @@ PACKAGE = Path(z2r.__file__).parent
 PYPROJECT = PACKAGE.parent / "pyproject.toml"
 PINS = Path(__file__).with_name("colab-pins.txt")
 
+EXERCISES = ("start_here", "schema", "episodes", "angles", "success", "replay", "breaks", "your_dataset")
 LAYERS = [
-    ["errors", "angles", "pusht.task", "data"],
+    ["errors", "angles", "pusht.task", "data", "source", "exercises", "exercises._core"],
     ["parquet", "verdict", "wallclock", "schema"],
     ["episodes", "reading"],
-    ["dataset", "success", "breaks"],
+    ["dataset", "success", "breaks", "overlap"],
     ["inspection"],
-    ["replay", "terminal", "pusht.env", "pusht.expert"],
+    ["replay", "figures", "terminal", "pusht.env", "pusht.expert"],
+    [f"exercises.{name}" for name in EXERCISES],
     ["recorder"],
-    ["cli"],
+    ["cli", "course"],
 ]
 LAYER = {module: number for number, layer in enumerate(LAYERS) for module in layer}
 SIMULATOR_SIDE = {"pusht.env", "pusht.expert", "recorder", "cli"}

@@ -50,7 +50,7 @@ BREAK_MODES: dict[str, BreakMode] = {
         BreakMode(
             name="yaw-swap",
             assumption="the block's yaw is atan2(cos, sin)",
-            signature="same schema, frames and lengths; the success rate collapses; the block is drawn mirrored",
+            signature="same frames and lengths; the success rate collapses; the block is drawn turned the wrong way",
             reading=lambda reading: replace(reading, tee=_swap(reading.tee)),
         ),
         BreakMode(
@@ -62,7 +62,7 @@ BREAK_MODES: dict[str, BreakMode] = {
         BreakMode(
             name="yaw-swap-everywhere",
             assumption="every yaw is atan2(cos, sin), the target's too",
-            signature="the two mistakes cancel: the success rate stays as it was; every picture is mirrored",
+            signature="the two mistakes cancel: the success rate stays; every direction is mirrored, no position is",
             reading=lambda reading: replace(reading, tee=_swap(reading.tee), target=_swap(reading.target)),
         ),
     )

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from z2r.angles import decode_yaw, wrap_angle
 from z2r.dataset import Dataset
 from z2r.episodes import EpisodeIndex
+from z2r.overlap import pusher_in_block
 from z2r.pusht import task
 from z2r.reading import Pose, PoseColumns, Reading, named_columns, read_pose
 from z2r.schema import Schema
@@ -33,6 +34,7 @@ _BLUE, _GREEN, _VERMILLION = "#0072b2", "#009e73", "#d55e00"
 _TEE, _TARGET, _PUSHER = _BLUE, _GREEN, _VERMILLION  # as in the replay: bluish, greenish, reddish
 _RIGHT, _WRONG = _BLUE, _VERMILLION
 _RIBBON_POINTS = 7.2 * 72  # about how wide the ribbon is on the page
+_NEAR = 0.1  # m: what is farther from the block than this says nothing about overlap
 _MAX_NUMBERS = 12  # more would hide what they number
 _STYLE = {
     "figure.dpi": 80,
@@ -136,6 +138,41 @@ def right_and_wrong(state: NDArray[np.generic], right: Reading, wrong: Reading, 
     for axes in panels:
         _frame(axes, np.concatenate(corners), margin=0.05, ratio=1)
     panels[1].set_ylabel("")
+    return figure
+
+
+@_in_style
+def seen_from_block(state: NDArray[np.generic], right: Reading, wrong: Reading, schema: Schema) -> Figure:
+    """Draw where the pusher was in every frame as seen from the block, as two readings have it.
+
+    Solid bodies stay apart, so the right reading leaves the block empty, and a gap around it as wide as the pusher.
+
+    Parameters
+    ----------
+    state : ndarray, (n_frames, size of the feature)
+        Values of the feature that both readings read. Positions in m.
+    right, wrong : Reading
+        What the columns mean, and what somebody takes them to mean.
+    schema : Schema
+        Where the columns stand.
+
+    Raises
+    ------
+    ValueError
+        If the schema lacks a column of a reading.
+    """
+    figure = _figure(7.6, 4.2)
+    panels = figure.subplots(1, 2, sharex=True, sharey=True)
+    for axes, what, color, reading in zip(
+        panels, ("read right", "read wrong"), (_RIGHT, _WRONG), (right, wrong), strict=True
+    ):
+        across, along = pusher_in_block(state, reading, schema)
+        outline = _draw_tees(axes, _pose(0, 0, 0), _TEE, "block", fill=0.25).reshape(-1, 2)
+        axes.plot(across, along, ".", color=_PUSHER, markersize=4, gid="pusher")
+        axes.set_title(what, color=color)
+        (left, bottom), (right_end, top) = outline.min(axis=0) - _NEAR, outline.max(axis=0) + _NEAR
+        axes.set(aspect="equal", xlabel="across the block [m]", xlim=(left, right_end), ylim=(bottom, top))
+    panels[0].set_ylabel("along the block [m]")
     return figure
 
 

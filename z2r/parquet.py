@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 
 from z2r.errors import DatasetError
 
+# The last one: pyarrow meets a damaged column name.
+_UNREADABLE = (pa.ArrowException, OSError, UnicodeDecodeError)
 _NUMERIC = "numbers, one for each frame"
 _MOST_NAMES = 12  # as many as one line of an error holds
 
@@ -34,7 +36,7 @@ def open_parquet(path: Path) -> pq.ParquetFile:
         raise DatasetError(
             path, "", found="no such file", expected="a parquet file", mend="Copy or download the dataset again"
         ) from None
-    except (pa.ArrowException, OSError) as error:
+    except _UNREADABLE as error:
         raise _unreadable(path, error) from error
 
 
@@ -68,7 +70,7 @@ def read_columns(file: pq.ParquetFile, path: Path, columns: Sequence[str], n_row
             raise DatasetError(path, column, found="no such column", expected=f"it among {_some(present)}")
     try:
         return file.read_row_groups(_leading_row_groups(file, n_rows), columns=list(columns))
-    except (pa.ArrowException, OSError) as error:
+    except _UNREADABLE as error:
         raise _unreadable(path, error) from error
 
 

@@ -11,6 +11,7 @@ import os
 import platform
 import shutil
 import tempfile
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -67,7 +68,7 @@ def record(
         verdicts = []
         try:
             for seed in seeds:
-                verdicts.append(_record_episode(dataset, env, expert, seed, noise))
+                verdicts.append(record_episode(dataset, env, expert, seed, noise))
                 progress(len(verdicts), len(seeds))
         finally:
             dataset.finalize()  # in any case: LeRobot would do it later, and write into a folder that is gone
@@ -76,7 +77,22 @@ def record(
     return recording
 
 
-def _record_episode(dataset: Any, env: Any, expert: Any, seed: int, noise: float) -> Verdict:
+def record_episode(dataset: Any, env: Any, expert: Any, seed: int, noise: float) -> Verdict:
+    """Drive one episode, and add it to a dataset.
+
+    Parameters
+    ----------
+    dataset : LeRobotDataset
+        Open for writing.
+    env : PushTEnv
+        The simulator.
+    expert : ScriptedExpert
+        What drives.
+    seed : int
+        Where the episode starts, and how its noise goes.
+    noise : float
+        Standard deviation of the Gaussian noise on each action [m/s], >= 0.
+    """
     rng = np.random.default_rng([seed, 1])  # apart from the stream that the environment draws the start from
     observation = env.reset(seed)
     expert.reset()
@@ -117,7 +133,9 @@ def _no_progress_bars() -> Iterator[None]:
 
 def _load_extras(max_steps: int) -> tuple[Any, Any, Callable[[Path], Any]]:
     try:
-        from lerobot.datasets.lerobot_dataset import LeRobotDataset
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", message="IProgress not found")  # of a bar that is not drawn either
+            from lerobot.datasets.lerobot_dataset import LeRobotDataset
 
         from z2r.pusht.env import PushTEnv
         from z2r.pusht.expert import ScriptedExpert

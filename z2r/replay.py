@@ -135,7 +135,7 @@ def _send_world(
     )
     recorder.columns(
         "world/objects/tee",
-        rr.Transform3D.columns(translation=_points(tee.x, tee.y, task.TEE_Z), quaternion=_quaternions(tee.yaw)),
+        rr.Transform3D.columns(translation=_points(tee.x, tee.y, task.TEE_Z), quaternion=yaw_quaternions(tee.yaw)),
     )
     recorder.columns(
         "world/robot/pusher", rr.Transform3D.columns(translation=_points(pusher_x, pusher_y, task.PUSHER_Z))
@@ -188,7 +188,7 @@ def _walls() -> rr.LineStrips3D:
 
 def _first_transform(pose: Pose) -> rr.Transform3D:
     return rr.Transform3D(
-        translation=_points(pose.x, pose.y, _MARKING)[0], quaternion=rr.Quaternion(xyzw=_quaternions(pose.yaw)[0])
+        translation=_points(pose.x, pose.y, _MARKING)[0], quaternion=rr.Quaternion(xyzw=yaw_quaternions(pose.yaw)[0])
     )
 
 
@@ -196,8 +196,19 @@ def _points(x: NDArray[np.float64], y: NDArray[np.float64], z: float) -> NDArray
     return np.stack([x, y, np.full_like(x, z)], axis=1)
 
 
-def _quaternions(yaw: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Turn yaws about the vertical axis into quaternions in the order x, y, z, w."""
+def yaw_quaternions(yaw: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Turn yaws about the vertical axis into quaternions.
+
+    Parameters
+    ----------
+    yaw : ndarray, float64[n_frames]
+        Yaw [rad].
+
+    Returns
+    -------
+    ndarray, float64[n_frames, 4]
+        In the order x, y, z, w, as rerun has them.
+    """
     zero = np.zeros_like(yaw)
     return np.stack([zero, zero, np.sin(yaw / 2), np.cos(yaw / 2)], axis=1)
 

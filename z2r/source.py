@@ -17,6 +17,9 @@ class Source(str):
 
     fingerprint: str
 
+    def __repr__(self) -> str:
+        return f"{self.fingerprint}\n{self}"
+
     def _repr_markdown_(self) -> str:
         return f"`{self.fingerprint}`\n\n```python\n{self}\n```"
 

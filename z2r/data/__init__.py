@@ -15,3 +15,4 @@ from pathlib import Path
 STANDIN = Path(__file__).parent / "standin"
 MESSY = Path(__file__).parent / "messy"
 SHIPPED = {"standin": STANDIN, "messy": MESSY}
+REPLAY_STILL = Path(__file__).parent / "replay_still.png"

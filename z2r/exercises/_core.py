@@ -90,7 +90,7 @@ def judge_function(
         if not _same(got, expected):
             print(f"{NOT_YET}: for {case.what}, expected {_shown(expected)} and got {_shown(got)}. {hint}")
             return case
-    print(f"{RIGHT}: all {len(cases)} trials agree with z2r. Well read.")
+    print(f"{RIGHT}: all {len(cases)} trials agree with z2r.")
     return None
 
 
@@ -105,8 +105,8 @@ def _is_untouched(function: Callable[..., Any], untouched: Callable[..., Any] | 
 
 
 def _same(got: object, expected: object, rtol: float = 1e-6) -> bool:
-    if isinstance(expected, str | bool | None) or isinstance(got, str):
-        return bool(got == expected)
+    if isinstance(expected, str | None) or isinstance(got, str):
+        return isinstance(got, str | None) and got == expected
     try:
         found, wanted = np.asarray(got, dtype=float), np.asarray(expected, dtype=float)
     except (TypeError, ValueError):

@@ -1,0 +1,106 @@
+"""Run All in JupyterLab, by the menu, in a browser: what a learner does first."""
+
+import os
+import shutil
+import socket
+import subprocess
+import sys
+import time
+import urllib.error
+import urllib.request
+from collections.abc import Iterator
+from pathlib import Path
+
+import nbformat
+import pytest
+from notebook_tools import code_cells, committed, without_outputs
+from playwright.sync_api import Page, expect, sync_playwright
+
+from z2r.course import ROOT, kernel_variables
+
+CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
+FLAGS = [
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-gpu",
+    "--disable-quic",
+    "--disable-sync",
+    "--no-first-run",
+    "--no-sandbox",
+]
+STEM = "00_start_here"
+SECONDS = 1000  # of Playwright, which counts in milliseconds
+
+
+@pytest.fixture(scope="session")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """Address of a JupyterLab that serves a copy of one notebook, to this machine only, and keeps no settings."""
+    folder = tmp_path_factory.mktemp("lab")
+    (folder / "notebooks").mkdir()
+    nbformat.write(without_outputs(committed(STEM)), folder / "notebooks" / f"{STEM}.ipynb")
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    address = f"http://127.0.0.1:{port}"
+    options = ["--no-browser", "--allow-root", "--IdentityProvider.token=", "--ServerApp.ip=127.0.0.1"]
+    options += [f"--port={port}", "--ServerApp.port_retries=0", "--LabApp.news_url=None"]
+    options += ["--LabApp.check_for_updates_class=jupyterlab.handlers.announcements.NeverCheckForUpdate"]
+    state = {name: str(folder / name) for name in ("JUPYTER_CONFIG_DIR", "JUPYTERLAB_SETTINGS_DIR")}
+    state |= {name: str(folder / name) for name in ("JUPYTER_RUNTIME_DIR", "JUPYTERLAB_WORKSPACES_DIR")}
+    with (folder / "log").open("w") as log:
+        process = subprocess.Popen(
+            [sys.executable, "-m", "jupyterlab", *options],
+            cwd=folder / "notebooks",
+            env=kernel_variables(folder / "profile", ROOT) | state,
+            stdout=log,
+            stderr=subprocess.STDOUT,
+        )
+        try:
+            wait_for(address, process, folder / "log")
+            yield address
+        finally:
+            process.terminate()
+            process.wait(timeout=30)
+
+
+def wait_for(address: str, process: subprocess.Popen[bytes], log: Path) -> None:
+    for _ in range(300):
+        try:
+            urllib.request.urlopen(f"{address}/api", timeout=5).close()
+            return
+        except (urllib.error.URLError, TimeoutError):
+            assert process.poll() is None, log.read_text()
+            time.sleep(0.2)
+    pytest.fail(log.read_text())
+
+
+@pytest.fixture
+def page() -> Iterator[Page]:
+    if CHROMIUM is None:
+        reason = "no chromium: apt-get install chromium"
+        pytest.fail(reason) if os.environ.get("Z2R_REQUIRE_BROWSER") else pytest.skip(reason)
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        # As high as the whole notebook, since JupyterLab draws only the cells that are in view.
+        yield browser.new_page(viewport={"width": 1300, "height": 8000})
+        browser.close()
+
+
+def test_run_all_finishes_and_draws_the_figures(page, server, tmp_path):
+    cells = code_cells(committed(STEM))
+    figures = sum("image/png" in output.get("data", {}) for cell in cells for output in cell.outputs)
+    assert figures > 0
+    page.goto(f"{server}/lab/tree/{STEM}.ipynb")
+    notebook = page.locator(".jp-Notebook")
+    expect(notebook.locator(".jp-CodeCell")).to_have_count(len(cells), timeout=60 * SECONDS)
+    kernel = page.locator(".jp-Notebook-ExecutionIndicator")
+    expect(kernel).to_have_attribute("data-status", "idle", timeout=60 * SECONDS)
+    page.get_by_role("menuitem", name="Run", exact=True).click()
+    page.get_by_role("menuitem", name="Run All Cells", exact=True).click()
+    prompts = notebook.locator(".jp-CodeCell .jp-InputPrompt")
+    expect(prompts.last).to_have_text(f"[{len(cells)}]:", timeout=60 * SECONDS)
+    expect(kernel).to_have_attribute("data-status", "idle")
+    page.screenshot(path=tmp_path / "notebook.png", full_page=True)
+    print(tmp_path / "notebook.png")
+    assert notebook.locator(".jp-OutputArea-output", has_text="Traceback (most recent call last)").count() == 0
+    expect(notebook.locator(".jp-OutputArea-output img")).to_have_count(figures)

@@ -1,0 +1,230 @@
+"""The pages of the course: each runs as it is committed, on any machine, and is what its script says it is."""
+
+import re
+import shutil
+import statistics
+import subprocess
+import sys
+from collections import Counter
+from pathlib import Path
+from typing import NamedTuple
+
+import jupytext
+import nbformat
+import numpy as np
+import pytest
+from jupytext.compare import compare_notebooks
+from nbformat import NotebookNode
+from notebook_tools import (
+    STEMS,
+    cell_tags,
+    code_cells,
+    committed,
+    differences,
+    shown,
+    without_network,
+)
+from rerun.chunk import RrdReader
+
+import z2r
+from z2r.course import NOTEBOOKS, ROOT, execute, faults, is_up_to_date, kernel_variables, read_script, with_header
+
+each_notebook = pytest.mark.parametrize("stem", STEMS)
+DECODING, REPLAY = "03_atan2_decoding", "05_rerun_replay"
+needs_decoding = pytest.mark.skipif(DECODING not in STEMS, reason=f"{DECODING} is not written yet")
+needs_replay = pytest.mark.skipif(REPLAY not in STEMS, reason=f"{REPLAY} is not written yet")
+
+
+class Run(NamedTuple):
+    folder: Path
+    done: subprocess.CompletedProcess[str]
+    notebooks: dict[str, NotebookNode]
+
+
+@pytest.fixture(scope="session")
+def search_path(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+    return without_network(tmp_path_factory.mktemp("site"))
+
+
+@pytest.fixture(scope="session")
+def run(tmp_path_factory: pytest.TempPathFactory, search_path: list[Path]) -> Run:
+    """Run every notebook once, on a clean copy, without a network: `pytest --nbmake notebooks`, outputs kept."""
+    folder = tmp_path_factory.mktemp("clone")
+    (folder / "notebooks").mkdir()
+    for stem in STEMS:
+        shutil.copy(NOTEBOOKS / f"{stem}.ipynb", folder / "notebooks")
+    nbmake = ["--nbmake", "--overwrite", "notebooks", "--durations=0", "-p", "no:cacheprovider"]
+    command = [sys.executable, "-m", "pytest", *nbmake, "-c", str(ROOT / "pyproject.toml"), "--rootdir", str(folder)]
+    variables = kernel_variables(tmp_path_factory.mktemp("profile"), *search_path)
+    done = subprocess.run(command, cwd=folder, env=variables, capture_output=True, text=True, check=False)
+    pages = {stem: nbformat.read(folder / "notebooks" / f"{stem}.ipynb", as_version=4) for stem in STEMS}
+    return Run(folder / "notebooks", done, pages)
+
+
+def test_nbmake_passes(run):
+    print(run.done.stdout)
+    assert run.done.returncode == 0, run.done.stdout + run.done.stderr
+    assert f"{len(STEMS)} passed" in run.done.stdout
+
+
+@each_notebook
+def test_it_shows_what_is_committed(stem, run):
+    assert not list(faults(run.notebooks[stem]))
+    assert not differences(run.notebooks[stem], committed(stem))
+
+
+def test_a_kernel_without_network_reaches_none(tmp_path, search_path):
+    attempt = """
+import socket
+try:
+    socket.create_connection(({!r}, 80), timeout=1)
+except ConnectionError as error:
+    print(error)"""
+    cells = [nbformat.v4.new_code_cell(attempt.format(host)) for host in ("192.0.2.1", "example.invalid")]
+    executed = execute(nbformat.v4.new_notebook(cells=cells), tmp_path, *search_path)
+    for cell in executed.cells:
+        [(_, text)] = shown(cell)
+        assert text.startswith("no network in the tests")
+
+
+def test_every_recording_that_the_notebooks_write_can_be_read(run):
+    recordings = list(run.folder.glob("z2r-out/*.rrd"))
+    assert recordings
+    for path in recordings:
+        assert sum(rows_of(path).values()) > 0
+
+
+@needs_replay
+def test_the_recording_has_a_row_for_every_frame_that_the_page_names(run):
+    n_frames = z2r.load(z2r.STANDIN).episodes.n_frames
+    assert rows_of(run.folder / "z2r-out" / "replay.rrd")["/eval/pos_err"] == n_frames
+    assert f"{n_frames} frames" in str([shown(cell) for cell in code_cells(committed(REPLAY))])
+
+
+def rows_of(path: Path) -> Counter[str]:
+    """Number of rows of every entity that changes over time."""
+    rows: Counter[str] = Counter()
+    for chunk in RrdReader(path).stream():
+        if not chunk.is_static:
+            rows[chunk.entity_path] += chunk.to_record_batch().num_rows
+    return rows
+
+
+def test_page_and_script_have_the_same_stems():
+    assert sorted(path.stem for path in NOTEBOOKS.glob("*.ipynb")) == STEMS
+
+
+@each_notebook
+def test_page_and_script_agree_cell_by_cell(stem):
+    compare_notebooks(committed(stem), read_script(NOTEBOOKS / f"{stem}.py"))
+
+
+@each_notebook
+def test_badge_setup_and_metadata_are_those_of_the_template(stem):
+    assert is_up_to_date(NOTEBOOKS / f"{stem}.py")
+    page, expected = committed(stem), with_header(committed(stem), stem)
+    assert page.metadata == expected.metadata
+    assert page.metadata.kernelspec.name == "python3"
+    assert [cell.id for cell in page.cells] == [cell.id for cell in expected.cells]
+    assert [cell.source for cell in page.cells] == [cell.source for cell in expected.cells]
+
+
+def test_a_script_without_its_header_is_not_up_to_date(tmp_path):
+    script = tmp_path / "00_bare.py"
+    script.write_text("# %% [markdown]\n# # Title\n\n# %%\n1 + 1\n")
+    assert not is_up_to_date(script)
+    script.write_text(jupytext.writes(read_script(script), fmt="py:percent"))
+    assert is_up_to_date(script)
+    script.write_text(script.read_text().replace("00_bare.ipynb", "other.ipynb"))
+    assert not is_up_to_date(script)
+
+
+@each_notebook
+def test_a_page_holds_nothing_of_the_machine_that_built_it(stem):
+    page = committed(stem)
+    assert not list(faults(page))
+    assert not [output for cell in code_cells(page) for output in cell.outputs if output.get("name") == "stderr"]
+    assert [cell.execution_count for cell in code_cells(page)] == list(range(1, len(code_cells(page)) + 1))
+    assert not [key for cell in page.cells for key in cell.metadata if key != "tags"]
+    assert (NOTEBOOKS / f"{stem}.ipynb").stat().st_size < 500_000
+
+
+def test_what_would_leak_into_a_page_is_found(tmp_path):
+    sources = [
+        "print('https://example.org/home/page', './var/x', 'data/root')",
+        "import os; print(os.getcwd())",
+        "object()",
+        "print('Traceback (most recent call last)')",
+        "1 / 0",
+        "print('not reached')",
+    ]
+    cells = [nbformat.v4.new_code_cell(source, id=f"cell{i}") for i, source in enumerate(sources)]
+    found = faults(execute(nbformat.v4.new_notebook(cells=cells), tmp_path))
+    assert [fault.partition(":")[0] for fault in found if "cell4 shows" not in fault] == [
+        "cell1 shows a path of this machine",
+        "cell2 shows a memory address",
+        "cell3 shows a traceback",
+        "cell4 raised ZeroDivisionError",
+    ]
+
+
+def test_no_wheel_lies_among_the_notebooks():
+    assert {path.suffix for path in NOTEBOOKS.iterdir() if path.is_file()} <= {".py", ".ipynb"}
+
+
+@each_notebook
+def test_cells_are_short(stem):
+    cells = code_cells(committed(stem))
+    setup = [cell for cell in cells if "setup" in cell_tags(cell)]
+    assert [len(cell.source.splitlines()) <= 8 for cell in setup] == [True]
+    lengths = [len(code_lines(cell)) for cell in cells if cell not in setup]
+    assert statistics.median(lengths) <= 5
+    assert np.percentile(lengths, 90) <= 12
+
+
+def code_lines(cell: NotebookNode) -> list[str]:
+    return [line for line in cell.source.splitlines() if line.strip()]
+
+
+def test_the_course_has_more_prose_than_code():
+    cells = [cell for stem in STEMS for cell in committed(stem).cells if not {"badge", "setup"} & cell_tags(cell)]
+    words = sum(len(cell.source.split()) for cell in cells if cell.cell_type == "markdown")
+    lines = sum(len(code_lines(cell)) for cell in cells if cell.cell_type == "code")
+    assert words >= 8 * lines, f"{words / lines:.1f} words for each line of code"
+
+
+@each_notebook
+def test_the_recap_names_what_the_beginning_promised(stem):
+    prose = "\n".join(cell.source for cell in committed(stem).cells if cell.cell_type == "markdown")
+    promised, kept = verbs_after("By the end you can", prose), verbs_after("You can now", prose)
+    assert promised
+    assert promised == kept
+
+
+def verbs_after(heading: str, prose: str) -> list[str]:
+    """What is bold at the start of each bullet of the list under a heading."""
+    [found] = re.findall(rf"^\W*{heading}\W*\n\n((?:[-*] .*\n(?:  .*\n)*)+)", prose + "\n", re.MULTILINE)
+    return re.findall(r"^[-*] \*\*(.+?)\*\*", found, re.MULTILINE)
+
+
+def test_jupytext_makes_the_same_cells(tmp_path):
+    """`jupytext --to notebook notebooks/*.py`, as an instructor runs it, in a folder without pages."""
+    scripts = [Path(shutil.copy(NOTEBOOKS / f"{stem}.py", tmp_path)) for stem in STEMS]
+    subprocess.run([sys.executable, "-m", "jupytext", "--to", "notebook", *scripts], capture_output=True, check=True)
+    for script in scripts:
+        compare_notebooks(nbformat.read(script.with_suffix(".ipynb"), as_version=4), committed(script.stem))
+
+
+@needs_decoding
+def test_a_wrong_decode_is_seen_on_the_page(tmp_path):
+    package = Path(shutil.copytree(Path(z2r.__file__).parent, tmp_path / "package" / "z2r"))
+    angles = (package / "angles.py").read_text()
+    right = "np.arctan2(np.asarray(sin_yaw, dtype=np.float64), np.asarray(cos_yaw, dtype=np.float64))"
+    assert angles.count(right) == 1
+    wrong = "np.arctan2(np.asarray(cos_yaw, dtype=np.float64), np.asarray(sin_yaw, dtype=np.float64))"
+    (package / "angles.py").write_text(angles.replace(right, wrong))
+    (tmp_path / "run").mkdir()
+    notebook = execute(read_script(NOTEBOOKS / f"{DECODING}.py"), tmp_path / "run", package.parent)
+    shows_source = "z2r/angles.py#"  # with a fingerprint, which any change at all would change
+    pairs = zip(code_cells(notebook), code_cells(committed(DECODING)), strict=True)
+    assert any(shown(cell) != shown(page) and shows_source not in str(shown(page)) for cell, page in pairs)
