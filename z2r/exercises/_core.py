@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 NOT_ATTEMPTED = "not attempted yet"
 NOT_YET = "not yet"
@@ -56,6 +57,7 @@ def judge_function(
     cases: Sequence[Case],
     hint: str,
     untouched: Callable[..., Any] | None = None,
+    special_hint: Callable[[NDArray[np.float64], NDArray[np.float64]], str | None] | None = None,
 ) -> Case | None:
     """Try a learner's function on every case, and say what was expected and what it gave.
 
@@ -71,6 +73,8 @@ def judge_function(
         Said where an answer is wrong: which way to look, not the solution.
     untouched : callable, optional
         The function as the page hands it out, where it runs but is wrong.
+    special_hint : callable, optional
+        Takes the first wrong answer and what was expected, and returns a hint about just that answer, or None.
 
     Returns
     -------
@@ -88,10 +92,24 @@ def judge_function(
             print(f"{NOT_YET}: for {case.what} your function raised {type(error).__name__}: {error}. {hint}")
             return None
         if not _same(got, expected):
-            print(f"{NOT_YET}: for {case.what}, expected {_shown(expected)} and got {_shown(got)}. {hint}")
+            print(f"{NOT_YET}: for {case.what}, expected {_shown(expected)} and got {_shown(got)}.", end=" ")
+            print(_hint_about(got, expected, hint, special_hint))
             return case
     print(f"{RIGHT}: all {len(cases)} trials agree with z2r.")
     return None
+
+
+def _hint_about(
+    got: object,
+    expected: object,
+    hint: str,
+    special_hint: Callable[[NDArray[np.float64], NDArray[np.float64]], str | None] | None,
+) -> str:
+    try:
+        found, wanted = np.asarray(got, dtype=float), np.asarray(expected, dtype=float)
+    except (TypeError, ValueError):
+        return hint
+    return (special_hint(found, wanted) if special_hint else None) or hint
 
 
 def _is_untouched(function: Callable[..., Any], untouched: Callable[..., Any] | None, cases: Sequence[Case]) -> bool:
@@ -116,7 +134,11 @@ def _same(got: object, expected: object, rtol: float = 1e-6) -> bool:
 
 def _shown(value: object) -> str:
     if isinstance(value, float | np.floating):
-        return f"{value:.4g}"
+        return f"{round(float(value), 6) + 0.0:.4g}"  # + 0.0 makes 0 of -0
+    if isinstance(value, tuple | list):
+        return f"({', '.join(_shown(each) for each in value)})"
+    if isinstance(value, np.ndarray) and value.ndim == 1 and len(value) <= 6:
+        return _shown(value.tolist())
     if isinstance(value, np.ndarray):
         return np.array2string(value, precision=4, threshold=6)
     return f"{value}"

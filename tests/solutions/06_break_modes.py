@@ -1,0 +1,48 @@
+PREDICT = "practice.predict_yaw_swap({})"
+SWAP = "def swap(pose):\n    return {}\npractice.check_swap(swap)"
+SEEN = """\
+def seen_from_block(pusher_x, pusher_y, x, y, yaw):
+    dx, dy = pusher_x - x, pusher_y - y
+    return {}
+practice.check_seen_from_block(seen_from_block)"""
+
+EXERCISES = {
+    "predict-yaw-swap": {
+        "solution": PREDICT.format("217, 76, 0, 3"),
+        "wrong": {
+            "all as before": (PREDICT.format("217, 76, 3, 3"), "it is 217 frames, the longest episode 76, 0 of 3"),
+            "frames are lost": (PREDICT.format("0, 76, 0, 3"), "you said '0 frames"),
+            "lengths change": (PREDICT.format("217, 67, 0, 3"), "which the swap does not touch"),
+            "one survives": (PREDICT.format("217, 76, 1, 3"), "about 90 degrees"),
+            "two swaps are worse": (PREDICT.format("217, 76, 0, 0"), "the angle between them stays"),
+        },
+    },
+    "swap": {
+        "solution": SWAP.format("replace(pose, sin_yaw=pose.cos_yaw, cos_yaw=pose.sin_yaw)"),
+        "wrong": {
+            "nothing swapped": (SWAP.format("pose"), "sin_yaw=cos_tee_yaw"),
+            "only one": (SWAP.format("replace(pose, sin_yaw=pose.cos_yaw)"), "And the other one?"),
+            "x and y": (SWAP.format("replace(pose, x=pose.y, y=pose.x)"), "got x=tee_y"),
+            "names of the example": (
+                SWAP.format("replace(pose, sin_yaw='cos_tee_yaw', cos_yaw='sin_tee_yaw')"),
+                "the pose of the target",
+            ),
+            "the wrong type": (SWAP.format("pose.names"), "for the pose of the block"),
+        },
+    },
+    "seen-from-block": {
+        "solution": SEEN.format("np.cos(yaw) * dx + np.sin(yaw) * dy, np.cos(yaw) * dy - np.sin(yaw) * dx"),
+        "wrong": {
+            "half mended": (
+                SEEN.format("np.cos(yaw) * dx + np.sin(yaw) * dy, np.sin(yaw) * dx + np.cos(yaw) * dy"),
+                "Which way is back",
+            ),
+            "not turned": (SEEN.format("dx, dy"), "turned by 90 degrees, expected (0.1, -0.03) and got (0.03, 0.1)"),
+            "swapped": (
+                SEEN.format("np.sin(yaw) * dx + np.cos(yaw) * dy, np.sin(yaw) * dy - np.cos(yaw) * dx"),
+                "expected",
+            ),
+            "one number": (SEEN.format("dx"), "not yet"),
+        },
+    },
+}
