@@ -27,7 +27,17 @@ from notebook_tools import (
 from rerun.chunk import RrdReader
 
 import z2r
-from z2r.course import NOTEBOOKS, ROOT, execute, faults, is_up_to_date, kernel_variables, read_script, with_header
+from z2r.course import (
+    NOTEBOOKS,
+    ROOT,
+    execute,
+    faults,
+    header,
+    is_up_to_date,
+    kernel_variables,
+    read_script,
+    with_header,
+)
 
 each_notebook = pytest.mark.parametrize("stem", STEMS)
 DECODING, REPLAY = "03_atan2_decoding", "05_rerun_replay"
@@ -228,3 +238,8 @@ def test_a_wrong_decode_is_seen_on_the_page(tmp_path):
     shows_source = "z2r/angles.py#"  # with a fingerprint, which any change at all would change
     pairs = zip(code_cells(notebook), code_cells(committed(DECODING)), strict=True)
     assert any(shown(cell) != shown(page) and shows_source not in str(shown(page)) for cell, page in pairs)
+
+
+def test_the_badge_of_the_readme_has_the_one_address():
+    badge, _ = header("00_start_here")
+    assert badge.source.splitlines()[0] in (ROOT / "README.md").read_text()
