@@ -3,11 +3,15 @@ import shutil
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 from layouts import record_with_lerobot
 
 import z2r
 
 os.environ["HF_HUB_OFFLINE"] = "1"
+
+settings.register_profile("z2r", deadline=None)  # a busy machine is no fault of the code
+settings.load_profile("z2r")
 
 RECORDED_LENGTHS = (1, 40, 7, 1, 1, 25, 60, 3, 18, 1, 33, 12)
 

@@ -62,7 +62,7 @@ def layouts(draw):
     return lengths, split(), split()
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=40, suppress_health_check=[HealthCheck.too_slow])
 @given(layout=layouts(), n_episodes=st.integers(1, 12))
 def test_any_layout_of_files_and_shards_reads_back_what_was_written(layout, n_episodes, tmp_path_factory):
     lengths, files, shards = layout
