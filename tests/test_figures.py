@@ -97,7 +97,7 @@ def test_the_outline_of_the_t_has_the_corners_of_its_boxes():
     assert area == pytest.approx(sum(4 * half[0] * half[1] for half in (task.BAR_HALF_SIZE, task.STEM_HALF_SIZE)))
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(pose=poses)
 def test_a_t_is_moved_and_turned_counter_clockwise_without_being_bent(pose):
     axes = figures.two_poses((0, 0, 0), pose).axes[0]
@@ -196,7 +196,7 @@ def test_episodes_are_numbered_where_there_is_room():
 
 
 @given(yaw=st.floats(-np.pi, np.pi))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_the_two_readings_of_a_yaw_add_up_to_90_degrees(yaw):
     axes = figures.yaw_circle(np.sin(yaw), np.cos(yaw)).axes[0]
     right, wrong = (named(axes, name)[0].get_xydata()[-1] for name in ("right", "wrong"))

@@ -41,8 +41,6 @@ from z2r.course import (
 
 each_notebook = pytest.mark.parametrize("stem", STEMS)
 DECODING, REPLAY = "03_atan2_decoding", "05_rerun_replay"
-needs_decoding = pytest.mark.skipif(DECODING not in STEMS, reason=f"{DECODING} is not written yet")
-needs_replay = pytest.mark.skipif(REPLAY not in STEMS, reason=f"{REPLAY} is not written yet")
 
 
 class Run(NamedTuple):
@@ -104,7 +102,6 @@ def test_every_recording_that_the_notebooks_write_can_be_read(run):
         assert sum(rows_of(path).values()) > 0
 
 
-@needs_replay
 def test_the_recording_has_a_row_for_every_frame_that_the_page_names(run):
     n_frames = z2r.load(z2r.STANDIN).episodes.n_frames
     assert rows_of(run.folder / "z2r-out" / "replay.rrd")["/eval/pos_err"] == n_frames
@@ -225,7 +222,6 @@ def test_jupytext_makes_the_same_cells(tmp_path):
         compare_notebooks(nbformat.read(script.with_suffix(".ipynb"), as_version=4), committed(script.stem))
 
 
-@needs_decoding
 def test_a_wrong_decode_is_seen_on_the_page(tmp_path):
     package = Path(shutil.copytree(Path(z2r.__file__).parent, tmp_path / "package" / "z2r"))
     angles = (package / "angles.py").read_text()
