@@ -25,7 +25,7 @@ LAYERS = [
     ["episodes", "reading"],
     ["dataset", "success", "breaks", "overlap"],
     ["inspection"],
-    ["replay", "figures", "terminal", "pusht.env", "pusht.expert"],
+    ["replay", "drawing", "figures", "terminal", "pusht.env", "pusht.expert"],
     [f"exercises.{name}" for name in EXERCISES],
     ["recorder"],
     ["cli", "course"],
