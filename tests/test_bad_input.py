@@ -55,6 +55,11 @@ def escape_by_symlink(root: Path) -> None:
     (root / DATA).symlink_to(outside)
 
 
+def link_to_itself(root: Path) -> None:
+    (root / DATA).unlink()
+    (root / DATA).symlink_to(root / DATA)
+
+
 def shape_9(root: Path) -> None:
     features = json.loads((root / INFO).read_text())["features"]
     features["observation.state"]["shape"] = [9]
@@ -127,6 +132,7 @@ FAULTS: dict[str, tuple[Callable[[Path], object], str, str]] = {
         "data/0.parquet",
         "no such file",
     ),
+    "symlink to itself": (link_to_itself, DATA, "found"),
     "symlink out": (escape_by_symlink, DATA, "leads out"),
     "no episode metadata": (lambda root: shutil.rmtree(root / "meta/episodes"), "meta/episodes", "at least one"),
     "episode metadata cut": (lambda root: truncate(root / EPISODES, 0.5), EPISODES, "cut off"),

@@ -89,7 +89,8 @@ def test_the_verdict_of_a_dataset_without_one_is_none(standin_copy):
     assert z2r.read_verdict(standin_copy) is None
 
 
-def test_a_file_that_is_no_verdict_is_named(standin_copy):
-    verdict_path(standin_copy).write_text("{}")
+@pytest.mark.parametrize("content", [b"", b"{}", b"\xff", b'{"command": "", "stack": {}, "episodes": []}'])
+def test_a_file_that_is_no_verdict_is_named(standin_copy, content):
+    verdict_path(standin_copy).write_bytes(content)
     with pytest.raises(z2r.DatasetError, match=r"standin\.verdict\.json"):
         z2r.read_verdict(standin_copy)

@@ -81,8 +81,6 @@ class Schema(msgspec.Struct, frozen=True):
         In the order of the file.
     data_path : str
         Template of a data file's path: ``data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet``.
-    robot_type : str or None
-        What the recorder called the robot.
     """
 
     codebase_version: str
@@ -91,7 +89,6 @@ class Schema(msgspec.Struct, frozen=True):
     total_frames: Annotated[int, msgspec.Meta(ge=0)]
     features: dict[str, Feature]
     data_path: str
-    robot_type: str | None = None
 
     def columns(self, feature: str, names: Sequence[str]) -> list[int]:
         """Find dimensions of a feature by their names.
@@ -168,7 +165,10 @@ def inside(root: Path, relative: Path | str) -> Path:
         If the path, links followed, is outside.
     """
     path = root / relative
-    real, real_root = path.resolve(), root.resolve()
+    try:
+        real, real_root = path.resolve(), root.resolve()
+    except RuntimeError:  # Python up to 3.12 says so of a link that leads to itself
+        raise DatasetError(path, "", found="a link that leads to itself", expected="a file") from None
     allowed = [real_root]
     if real_root.parent.name == "snapshots":
         allowed.append(real_root.parents[1] / "blobs")

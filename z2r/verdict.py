@@ -5,6 +5,7 @@ A dataset holds no verdict. To grade a reading one needs it, so `z2r record OUT`
 
 import os
 from pathlib import Path
+from typing import Annotated
 
 import msgspec
 
@@ -45,12 +46,12 @@ class Recording(msgspec.Struct, frozen=True):
     stack : dict of str to str
         Version of everything that decides what the simulator does. Another stack gives other lengths.
     episodes : list of Verdict
-        One for each episode, in order.
+        One for each episode, in order; at least one.
     """
 
     command: str
     stack: dict[str, str]
-    episodes: list[Verdict]
+    episodes: Annotated[list[Verdict], msgspec.Meta(min_length=1)]
 
 
 def verdict_path(root: str | os.PathLike[str]) -> Path:
@@ -83,5 +84,5 @@ def read_verdict(root: str | os.PathLike[str]) -> Recording | None:
         return None
     try:
         return msgspec.json.decode(path.read_bytes(), type=Recording)
-    except msgspec.MsgspecError as error:
+    except (msgspec.MsgspecError, UnicodeDecodeError) as error:
         raise DatasetError(path, "", found=f"{error}", expected="a verdict as z2r record writes it") from error
