@@ -317,12 +317,13 @@ practice.check_without_index(prediction, messy)
 # `drop-boundaries`. [Notebook 06](06_break_modes.ipynb) has more of them.
 
 # %%
-wrong = z2r.break_mode("drop-boundaries").episodes(dataset.episodes)
+wrong = z2r.break_mode("drop-boundaries").dataset(dataset).episodes
 print(len(dataset.episodes), "episodes read right,", len(wrong), "read wrong:", wrong[0])
 
 # %% [markdown]
 # This is the class behind `dataset.episodes`. You know most of it by now: two columns of numbers, and what follows
-# from them. Its last function, `merged`, is what `drop-boundaries` uses. The line above the source is its address
+# from them. (The third, `numbers`, is there for a dataset of which some episodes are left out.) Its last function,
+# `merged`, is what `drop-boundaries` uses. The line above the source is its address
 # in the package and its fingerprint.
 
 # %%

@@ -147,11 +147,11 @@ practice.check_sim_time(sim_time)
 # ## A recording with z2r
 #
 # One point is a thin film. `write_replay` writes all that there is to see: the block and the target as boxes, the
-# pusher, the paths, the action, and how far the block is from the target. It takes a dataset, a file to write, a
-# reading, and an index that says where episodes end. It sends its columns in the same way as you just did.
+# pusher, the paths, the action, and how far the block is from the target. It takes a dataset, a file to write, and a
+# reading. It sends its columns in the same way as you just did.
 
 # %%
-replay = z2r.write_replay(dataset, out / "replay.rrd", z2r.PUSHT, dataset.episodes)
+replay = z2r.write_replay(dataset, out / "replay.rrd", z2r.PUSHT)
 print(replay.n_frames, "frames of", replay.n_episodes, "episodes")
 
 
@@ -282,7 +282,7 @@ for start, stop in edges.reshape(-1, 2):
 
 # %%
 swapped = z2r.break_mode("yaw-swap").reading(z2r.PUSHT)
-replay = z2r.write_replay(dataset, out / "yaw_swap.rrd", swapped, dataset.episodes)
+replay = z2r.write_replay(dataset, out / "yaw_swap.rrd", swapped)
 print(replay.n_frames, "frames of", replay.n_episodes, "episodes")
 
 # %% [markdown]
@@ -312,8 +312,8 @@ for frame in (0, 30, 45, 66):
 # recording the block has one path for each episode. How many has it now?
 
 # %%
-merged = z2r.break_mode("drop-boundaries").episodes(dataset.episodes)
-z2r.write_replay(dataset, out / "no_episodes.rrd", z2r.PUSHT, merged)
+merged = z2r.break_mode("drop-boundaries").dataset(dataset)
+z2r.write_replay(merged, out / "no_episodes.rrd", z2r.PUSHT)
 for file in ("replay.rrd", "no_episodes.rrd"):
     paths = rows(file, "/world/paths/tee", "LineStrips3D:strips")
     longest = max(np.linalg.norm(np.diff(path, axis=0), axis=1).max() for path in paths)

@@ -71,6 +71,16 @@ SIGNATURES = {
     "yaw-swap": (0, 3),
     "drop-boundaries": (1, 1),
     "yaw-swap-everywhere": (3, 3),
+    "no-wrap": (3, 3),  # nothing, as the target's yaw is 0
+    "inclusive-end": (1, 3),  # the last one has no next episode to read from
+    "first-shard-only": (3, 3),  # nothing, as there is one shard
+    "stale-file-pointer": (3, 3),  # nothing, as there is one file
+    "name-sorted-files": (3, 3),
+    "wrong-reference-point": (0, 3),
+    "degrees-for-radians": (0, 3),
+    "first-frame-for-last": (0, 3),
+    "wrong-fps": (3, 3),
+    "action-lag": (3, 3),
 }
 
 

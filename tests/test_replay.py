@@ -40,7 +40,8 @@ def values(rows: Rows, entity: str, component: str) -> np.ndarray:
 def replay(tmp_path: Path, dataset: z2r.Dataset, mode: str | None = None, timeline: str = "sim_time") -> Rows:
     inspection = z2r.inspect_dataset(dataset, mode and z2r.break_mode(mode))
     path = tmp_path / f"{mode}.rrd"
-    write_replay(dataset, path, inspection.reading, inspection.episodes)
+    believed = z2r.break_mode(mode).dataset(dataset) if mode else dataset
+    write_replay(believed, path, inspection.reading)
     return read_rows(path, timeline)
 
 
@@ -154,7 +155,7 @@ def test_the_viewers_layout_is_in_the_file(rows, standin, tmp_path):
 def test_of_a_long_dataset_the_first_whole_episodes_are_shown(tmp_path, max_frames, n_frames, n_episodes):
     lay_out(tmp_path / "dataset", [3, 4, 5], files=[1, 2], shards=[3])
     dataset = z2r.load(tmp_path / "dataset")
-    shown = write_replay(dataset, tmp_path / "x.rrd", PUSHT, dataset.episodes, max_frames)
+    shown = write_replay(dataset, tmp_path / "x.rrd", PUSHT, max_frames)
     assert (shown.n_frames, shown.n_episodes) == (n_frames, n_episodes)
     drawn = values(read_rows(shown.path, "frame"), "policy/action", "Scalars:scalars")
     np.testing.assert_allclose(drawn, dataset.read("action")[:n_frames])
@@ -162,7 +163,7 @@ def test_of_a_long_dataset_the_first_whole_episodes_are_shown(tmp_path, max_fram
 
 def test_without_a_reading_the_numbers_are_shown_and_no_world(tmp_path, standin):
     path = tmp_path / "numbers.rrd"
-    write_replay(standin, path, None, standin.episodes)
+    write_replay(standin, path, None)
     drawn = read_rows(path, "frame")
     np.testing.assert_allclose(values(drawn, "observation/state", "Scalars:scalars"), standin.read("observation.state"))
     assert not [entity for entity, _ in drawn if entity.startswith("/world")]

@@ -209,12 +209,12 @@ def _inspect(
     if not no_rerun:
         from z2r.replay import write_replay
 
-        replay = write_replay(dataset, out / "inspect.rrd", inspection.reading, inspection.episodes)
+        replay = write_replay(mode.dataset(dataset) if mode else dataset, out / "inspect.rrd", inspection.reading)
         say(f"wrote {replay.path}: look at it with `rerun {replay.path}`")
-        if replay.n_frames < dataset.episodes.n_frames:
+        if replay.n_frames < inspection.episodes.n_frames:
             say(
                 f"it shows the first {replay.n_episodes:,} of {len(inspection.episodes):,} episodes"
-                f" ({replay.n_frames:,} of {dataset.episodes.n_frames:,} frames); the others are left out"
+                f" ({replay.n_frames:,} of {inspection.episodes.n_frames:,} frames); the others are left out"
             )
     if as_json:
         sys.stdout.buffer.write(metrics)

@@ -51,7 +51,7 @@ class Dataset:
         """
         if not 1 <= n_episodes <= len(self.episodes):
             raise ValueError(f"found {n_episodes} episodes asked for, expected 1 to {len(self.episodes)}")
-        episodes = self.episodes.first(n_episodes)
+        episodes = self.episodes.only(slice(n_episodes))
         end = int(episodes.to_index[-1])
         return replace(self, episodes=episodes, files=tuple(file for file in self.files if file.from_index < end))
 

@@ -36,6 +36,8 @@ class EpisodeIndex:
         The first frame of each episode, counted over the whole dataset.
     to_index : ndarray, int64[n_episodes]
         One past the last frame of each episode.
+    numbers : ndarray, int64[n_episodes], optional
+        What the dataset calls each episode, where some are left out; 0, 1, 2 ... unless given.
 
     Examples
     --------
@@ -46,6 +48,7 @@ class EpisodeIndex:
 
     from_index: NDArray[np.int64]
     to_index: NDArray[np.int64]
+    numbers: NDArray[np.int64] | None = None
 
     def __len__(self) -> int:
         return len(self.from_index)
@@ -64,9 +67,21 @@ class EpisodeIndex:
         """Number of frames in all episodes together."""
         return int(self.lengths.sum())
 
-    def first(self, n_episodes: int) -> "EpisodeIndex":
-        """Return the index of the first episodes only; all of them where there are fewer than `n_episodes`."""
-        return EpisodeIndex(self.from_index[:n_episodes], self.to_index[:n_episodes])
+    @property
+    def frames(self) -> NDArray[np.int64]:
+        """The frames of all episodes one after another, int64[n_frames]: 0, 1, 2 ... unless a reading is wrong."""
+        shift = self.from_index - (np.cumsum(self.lengths) - self.lengths)
+        frames: NDArray[np.int64] = np.arange(self.n_frames) + np.repeat(shift, self.lengths)
+        return frames
+
+    def number(self, episode: int) -> int:
+        """Return what the dataset calls the episode that comes at this place, counted from 0."""
+        return episode if self.numbers is None else int(self.numbers[episode])
+
+    def only(self, kept: slice | NDArray[np.bool_]) -> "EpisodeIndex":
+        """Return the index of some of the episodes; each keeps its number."""
+        numbers = np.arange(len(self)) if self.numbers is None else self.numbers
+        return EpisodeIndex(self.from_index[kept], self.to_index[kept], numbers[kept])
 
     def merged(self) -> "EpisodeIndex":
         """Return the index that a reader would have who does not know of episodes: all frames are one."""
@@ -105,6 +120,22 @@ def read_episodes(root: Path, schema: Schema) -> tuple[EpisodeIndex, tuple[DataF
         If there is no episode, or a metadata shard is unreadable, or the rows do not tell one story: episodes numbered
         0, 1, 2 ..., each beginning where the one before ends, as long as their ranges, and as many as the schema says.
     """
+    rows = [read_shard(shard) for shard in shard_paths(root)]
+    columns = {name: np.concatenate([row[name] for row in rows]) for name in COLUMNS}
+    _check_one_story(columns, root / EPISODES_DIR)
+    index = EpisodeIndex(columns["dataset_from_index"], columns["dataset_to_index"])
+    _check_totals(index, schema, root / INFO_PATH)
+    return index, _data_files(root, schema, columns)
+
+
+def shard_paths(root: Path) -> list[Path]:
+    """Find the metadata shards, in the order of their numbers.
+
+    Raises
+    ------
+    DatasetError
+        If there is none, or one leads out of the dataset.
+    """
     shards = [inside(root, shard.relative_to(root)) for shard in (root / EPISODES_DIR).glob("chunk-*/file-*.parquet")]
     if not shards:
         raise DatasetError(
@@ -114,20 +145,22 @@ def read_episodes(root: Path, schema: Schema) -> tuple[EpisodeIndex, tuple[DataF
             expected="at least one",
             mend="Without it nobody knows where an episode ends; a recording that crashed never wrote it",
         )
-    rows = [_read_shard(shard) for shard in sorted(shards, key=_file_numbers)]
-    columns = {name: np.concatenate([row[name] for row in rows]) for name in COLUMNS}
-    _check_one_story(columns, root / EPISODES_DIR)
-    index = EpisodeIndex(columns["dataset_from_index"], columns["dataset_to_index"])
-    _check_totals(index, schema, root / INFO_PATH)
-    return index, _data_files(root, schema, columns)
+    return sorted(shards, key=file_numbers)
 
 
-def _file_numbers(path: Path) -> list[int]:
+def file_numbers(path: Path) -> list[int]:
     """Sort key: file-1000 comes after file-999, which sorting by name gets wrong."""
     return [int(number) for number in re.findall(r"\d+", f"{path.parent.name}/{path.name}")]
 
 
-def _read_shard(path: Path) -> dict[str, NDArray[np.int64]]:
+def read_shard(path: Path) -> dict[str, NDArray[np.int64]]:
+    """Read the columns of one metadata shard, a row for each episode.
+
+    Raises
+    ------
+    DatasetError
+        If the shard is unreadable, or a column is missing or does not hold whole numbers.
+    """
     table = read_columns(open_parquet(path), path, COLUMNS)
     return {name: integers(table, name, path) for name in COLUMNS}
 

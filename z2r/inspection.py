@@ -157,10 +157,10 @@ def inspect_dataset(
     DatasetError
         If a data file is missing, damaged, or not what the schema and the index say.
     """
-    schema = dataset.schema
+    if mode:
+        dataset, reading = mode.dataset(dataset), mode.reading(reading)
+    schema, episodes = dataset.schema, dataset.episodes
     missing = reading.missing(schema)
-    episodes = mode.episodes(dataset.episodes) if mode else dataset.episodes
-    wrong_or_right = mode.reading(reading) if mode else reading
     features = list(schema.signals())
 
     def fold(file: DataFile, frames: Frames) -> _Rows:
@@ -171,8 +171,8 @@ def inspect_dataset(
         schema=schema,
         episodes=episodes,
         ranges={name: Ranges(rows.low[name], rows.high[name]) for name in features},
-        outcome=None if missing else _outcome(rows.last[reading.feature], wrong_or_right, schema),
-        reading=None if missing else wrong_or_right,
+        outcome=None if missing else _outcome(getattr(rows, reading.decisive)[reading.feature], reading, schema),
+        reading=None if missing else reading,
         missing=missing,
         break_mode=mode.name if mode else None,
     )
@@ -190,20 +190,51 @@ class _Rows:
     episode: NDArray[np.int64]
     low: Frames
     high: Frames
+    first: Frames
     last: Frames
 
 
 def _summarise(file: DataFile, frames: Frames, episodes: EpisodeIndex) -> _Rows:
-    first = int(np.searchsorted(episodes.to_index, file.from_index, side="right"))
-    last = int(np.searchsorted(episodes.from_index, file.to_index, side="left"))
-    starts = np.maximum(episodes.from_index[first:last], file.from_index) - file.from_index
-    stops = np.minimum(episodes.to_index[first:last], file.to_index) - file.from_index
+    here = np.flatnonzero((episodes.from_index < file.to_index) & (episodes.to_index > file.from_index))
+    starts = np.maximum(episodes.from_index[here], file.from_index) - file.from_index
+    stops = np.minimum(episodes.to_index[here], file.to_index) - file.from_index
     return _Rows(
-        episode=np.arange(first, last),
-        low={name: np.minimum.reduceat(values, starts, axis=0) for name, values in frames.items()},
-        high={name: np.maximum.reduceat(values, starts, axis=0) for name, values in frames.items()},
+        episode=here,
+        low={name: reduce_parts(np.minimum, values, starts, stops) for name, values in frames.items()},
+        high={name: reduce_parts(np.maximum, values, starts, stops) for name, values in frames.items()},
+        first={name: values[starts] for name, values in frames.items()},
         last={name: values[stops - 1] for name, values in frames.items()},
     )
+
+
+def reduce_parts[T: np.generic](
+    function: np.ufunc, values: NDArray[T], starts: NDArray[np.int64], stops: NDArray[np.int64]
+) -> NDArray[T]:
+    """Reduce parts of an array, which may overlap or leave gaps.
+
+    Parameters
+    ----------
+    function : ufunc
+        Such as ``np.minimum``: what comes of a value that it is given twice must be the same.
+    values : ndarray, (n_rows, size)
+        The whole.
+    starts, stops : ndarray, int64[n_parts]
+        First row, and one past the last row, of each part; none is empty.
+
+    Returns
+    -------
+    ndarray, (n_parts, size)
+
+    Examples
+    --------
+    >>> values = np.array([[5], [3], [8], [1]])
+    >>> reduce_parts(np.minimum, values, starts=np.array([0, 1]), stops=np.array([3, 4])).ravel()
+    array([3, 1])
+    """
+    # reduceat wants the parts as pairs of rows that are in the array: the last row of each comes in by itself.
+    pairs = np.stack([starts, np.minimum(stops, len(values) - 1)], axis=1).ravel()
+    parts: NDArray[T] = function(function.reduceat(values, pairs, axis=0)[::2], values[stops - 1])
+    return parts
 
 
 def _merge(parts: list[_Rows]) -> _Rows:
@@ -219,12 +250,13 @@ def _merge(parts: list[_Rows]) -> _Rows:
         episode=episode[starts],
         low={name: np.minimum.reduceat(values, starts, axis=0) for name, values in joined("low").items()},
         high={name: np.maximum.reduceat(values, starts, axis=0) for name, values in joined("high").items()},
+        first={name: values[starts] for name, values in joined("first").items()},
         last={name: values[stops - 1] for name, values in joined("last").items()},
     )
 
 
-def _outcome(last_frames: NDArray[np.generic], reading: Reading, schema: Schema) -> Outcome:
-    errors = frame_errors(last_frames, reading, schema)
+def _outcome(decisive_frames: NDArray[np.generic], reading: Reading, schema: Schema) -> Outcome:
+    errors = frame_errors(decisive_frames, reading, schema)
     return Outcome(errors.pos_err, errors.ang_err, in_tolerance(errors, reading))
 
 

@@ -5,7 +5,7 @@ them: where they stand is the schema's business.
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,12 +32,12 @@ class PoseColumns:
 
 @dataclass(frozen=True)
 class Reading:
-    """What the columns of one feature mean.
+    """What the columns mean, and what follows from them.
 
     Attributes
     ----------
     feature : str
-        The feature that is read.
+        The feature that holds the poses.
     pusher : tuple of two str
         Columns of the pusher's x and y [m].
     tee, target : PoseColumns
@@ -46,6 +46,14 @@ class Reading:
         How far the block may be from the target [m].
     ang_tol : float
         How far it may be turned away from it [rad].
+    velocity : tuple of two str
+        Columns of `action` that say how fast the pusher is to move along x and y [m/s].
+    action_lag : int
+        An action that is stored in a frame moves the pusher this many frames earlier.
+    decisive : str
+        Which frame of an episode says whether it reached the target: ``last`` or ``first``.
+    wraps : bool
+        Whether a difference of two yaws is wrapped into one turn.
     """
 
     feature: str
@@ -54,10 +62,14 @@ class Reading:
     target: PoseColumns
     pos_tol: float
     ang_tol: float
+    velocity: tuple[str, str]
+    action_lag: int = 0
+    decisive: Literal["first", "last"] = "last"
+    wraps: bool = True
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Every column that it reads."""
+        """Every column of `feature` that it reads."""
         return *self.pusher, *self.tee.names, *self.target.names
 
     def missing(self, schema: Schema) -> tuple[str, ...]:
@@ -82,6 +94,7 @@ PUSHT = Reading(
     target=PoseColumns("target_x", "target_y", "sin_target_yaw", "cos_target_yaw"),
     pos_tol=POS_TOL,
     ang_tol=ANG_TOL,
+    velocity=("pusher_vx", "pusher_vy"),
 )
 
 

@@ -5,7 +5,7 @@ one after another on two timelines, `sim_time` [s] and `frame`. Every column is 
 layout of the viewer is part of the file.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -63,21 +63,17 @@ class _Recorder:
         self.stream.disconnect()
 
 
-def write_replay(
-    dataset: Dataset, path: Path, reading: Reading | None, episodes: EpisodeIndex, max_frames: int = MAX_FRAMES
-) -> Replay:
+def write_replay(dataset: Dataset, path: Path, reading: Reading | None, max_frames: int = MAX_FRAMES) -> Replay:
     """Write the first episodes of a dataset into a rerun recording.
 
     Parameters
     ----------
     dataset : Dataset
-        From `z2r.load`.
+        From `z2r.load`, or what a break mode makes of it.
     path : Path
         The .rrd file to write. One that is there is replaced.
     reading : Reading or None
         What the columns mean; with None, only the numbers are shown and no world.
-    episodes : EpisodeIndex
-        Where episodes end: ``dataset.episodes``, or what a break mode makes of it.
     max_frames : int, optional
         Show whole episodes up to this many frames; of a longer first episode, its beginning.
 
@@ -87,11 +83,12 @@ def write_replay(
         If a data file is missing, damaged, or not what the schema and the index say.
     """
     schema = dataset.schema
-    n_frames = _frames_to_show(episodes, max_frames)
-    shown = dataset.first(int(np.searchsorted(dataset.episodes.to_index, n_frames)) + 1)
-    starts = episodes.from_index[episodes.from_index < n_frames]
+    ends = np.cumsum(dataset.episodes.lengths)
+    n_frames = _frames_to_show(ends, max_frames)
+    frames = dataset.episodes.frames[:n_frames]
+    starts = (ends - dataset.episodes.lengths)[: np.searchsorted(ends, n_frames) + 1]
     features = [feature for feature in (STATE, ACTION) if feature in schema.signals()]
-    values = {feature: shown.read(feature)[:n_frames] for feature in features}
+    values = {feature: _up_to(dataset, int(frames.max()) + 1).read(feature)[frames] for feature in features}
 
     recorder = _Recorder(path, _blueprint(schema, features, reading), schema.fps, n_frames)
     episode_of_frame = np.repeat(np.arange(len(starts)), np.diff(np.append(starts, n_frames)))
@@ -107,9 +104,15 @@ def write_replay(
     return Replay(path, n_frames, len(starts))
 
 
-def _frames_to_show(episodes: EpisodeIndex, max_frames: int) -> int:
-    whole = episodes.to_index[episodes.to_index <= max_frames]
+def _frames_to_show(ends: NDArray[np.int64], max_frames: int) -> int:
+    whole = ends[ends <= max_frames]
     return int(whole[-1]) if len(whole) else max_frames
+
+
+def _up_to(dataset: Dataset, n_frames: int) -> Dataset:
+    """Return the first frames of a dataset as one episode: no file that they do not need is read."""
+    episodes = EpisodeIndex(np.array([0]), np.array([n_frames]))
+    return replace(dataset, episodes=episodes, files=tuple(f for f in dataset.files if f.from_index < n_frames))
 
 
 def _send_feature(recorder: _Recorder, entity: str, values: NDArray[np.generic], names: tuple[str, ...]) -> None:

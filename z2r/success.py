@@ -37,7 +37,8 @@ def frame_errors(state: NDArray[np.generic], reading: Reading, schema: Schema) -
     columns = named_columns(state, reading, schema)
     tee, target = read_pose(columns, reading.tee), read_pose(columns, reading.target)
     pos_err = np.hypot(tee.x - target.x, tee.y - target.y)
-    ang_err = np.abs(wrap_angle(tee.yaw - target.yaw))
+    turn = tee.yaw - target.yaw
+    ang_err = np.abs(wrap_angle(turn) if reading.wraps else turn)
     return FrameErrors(pos_err, ang_err)
 
 
@@ -47,7 +48,7 @@ def in_tolerance(errors: FrameErrors, reading: Reading) -> NDArray[np.bool_]:
 
 
 def episode_reached(state: NDArray[np.generic], reading: Reading, schema: Schema) -> bool:
-    """Tell whether an episode reached the target: its last stored frame is in tolerance.
+    """Tell whether an episode reached the target: its decisive frame, the last stored one, is in tolerance.
 
     Parameters
     ----------
@@ -58,5 +59,5 @@ def episode_reached(state: NDArray[np.generic], reading: Reading, schema: Schema
     schema : Schema
         Where the columns stand.
     """
-    last_frame = state[-1:]
-    return bool(in_tolerance(frame_errors(last_frame, reading, schema), reading)[0])
+    decisive_frame = state[-1:] if reading.decisive == "last" else state[:1]
+    return bool(in_tolerance(frame_errors(decisive_frame, reading, schema), reading)[0])

@@ -169,12 +169,12 @@ def replay_against_rows(root: Path, scratch: Path, runs: int) -> Row:
     assert dataset.episodes.n_frames == 10_000
     from z2r.reading import PUSHT
 
-    write_replay(dataset, scratch / "warm.rrd", PUSHT, dataset.episodes)
+    write_replay(dataset, scratch / "warm.rrd", PUSHT)
     sys.path.insert(0, str(HERE))
     from reference import replay
 
     ours, theirs = alternate(
-        timed(lambda: write_replay(dataset, scratch / "ours.rrd", PUSHT, dataset.episodes)),
+        timed(lambda: write_replay(dataset, scratch / "ours.rrd", PUSHT)),
         timed(lambda: replay(10_000, str(scratch / "theirs.rrd"))),
         runs,
     )
