@@ -1,5 +1,7 @@
 from .angles import decode_yaw as decode_yaw
 from .angles import wrap_angle as wrap_angle
+from .auditing import Audit as Audit
+from .auditing import audit as audit
 from .breaks import BREAK_MODES as BREAK_MODES
 from .breaks import BreakMode as BreakMode
 from .breaks import break_mode as break_mode

@@ -139,7 +139,7 @@ def map_files[T](
         return fold(file, read_frames(dataset.schema, file, features, min(file.to_index, end) - file.from_index))
 
     results: list[T] = []
-    for file, result in zip(dataset.files, _in_threads(read_and_fold, dataset.files), strict=True):
+    for file, result in zip(dataset.files, in_threads(read_and_fold, dataset.files), strict=True):
         results.append(result)
         progress(min(file.to_index, end), end)
     return results
@@ -174,7 +174,8 @@ def read_frames(schema: Schema, file: DataFile, features: Sequence[str], n_rows:
     return frames
 
 
-def _in_threads[A, T](function: Callable[[A], T], items: Sequence[A]) -> Iterator[T]:
+def in_threads[A, T](function: Callable[[A], T], items: Sequence[A]) -> Iterator[T]:
+    """Call a function for each item, some at a time, and yield what it returns in the order of the items."""
     with ThreadPoolExecutor(min(_MAX_THREADS, os.cpu_count() or 1, len(items))) as pool:
         yield from pool.map(function, items)
 

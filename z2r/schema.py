@@ -25,7 +25,7 @@ BOOKKEEPING = ("timestamp", "frame_index", "episode_index", "index", "task_index
 _NOT_NUMERIC = ("image", "video", "string", "language")
 _CONVERTER = "python -m lerobot.scripts.convert_dataset_v21_to_v30 --repo-id=REPO_ID"
 _MAX_INFO_BYTES = 64 * 2**20
-_MAX_SIGNAL_SIZE = 1024  # numbers a frame: more than that is a picture
+MAX_SIGNAL_SIZE = 1024  # numbers a frame: more than that is a picture
 
 
 class Feature(msgspec.Struct, frozen=True):
@@ -125,7 +125,7 @@ class Schema(msgspec.Struct, frozen=True):
         return {
             name: feature
             for name, feature in self.features.items()
-            if feature.is_numeric and feature.size <= _MAX_SIGNAL_SIZE and name not in BOOKKEEPING
+            if feature.is_numeric and feature.size <= MAX_SIGNAL_SIZE and name not in BOOKKEEPING
         }
 
 

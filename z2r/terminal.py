@@ -1,22 +1,31 @@
-"""What `z2r inspect` prints: the two facts, then what the reading makes of them."""
+"""What `z2r inspect` prints, the two facts and what the reading makes of them, and what `z2r audit` does."""
 
 import contextlib
+from collections import Counter
 from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 from rich import box
 from rich.bar import Bar
 from rich.console import Console, Group, RenderableType
+from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
 from z2r.breaks import BreakMode
+from z2r.checks.findings import CHECKS, Finding, Severity
 from z2r.errors import printable
 from z2r.inspection import Inspection
 from z2r.schema import Schema
 from z2r.wallclock import Run, machine_tier
 
+if TYPE_CHECKING:  # `z2r inspect` has no use for it
+    from z2r.auditing import Audit
+
 MAX_ROWS = 20  # of a table: what fits on a screen
+
+_SEVERITY_STYLES: dict[Severity, str] = {"error": "bold red", "warning": "bold yellow", "note": "bold blue"}
 
 
 def expectation(run: Run | None, unit: str) -> Text:
@@ -49,6 +58,41 @@ def summary(inspection: Inspection, title: str) -> RenderableType:
     return Group(
         head, Text(), _schema_table(inspection), Text(), _episode_table(inspection), Text(spread), _reached(inspection)
     )
+
+
+def audit_report(audit: "Audit", title: str) -> RenderableType:
+    """Return the findings of an audit, and what nobody looked at, ready to print."""
+    head = Text.assemble(
+        (printable(title), "bold"),
+        f"  {_count(audit.n_episodes, 'episode')}, {_count(audit.n_frames, 'frame')}"
+        if audit.readable
+        else "  cannot be read",
+    )
+    findings = [part for finding in audit.findings for part in (Text(), _finding(finding))]
+    left_out = [Text(f"{check}: {number:,} more like these", style="dim") for check, number in audit.more.items()]
+    not_checked = [Text(f"not checked: {printable(what)}", style="dim") for what in audit.not_checked]
+    return Group(head, *findings, Text(), *left_out, _verdict(audit), *not_checked)
+
+
+def _finding(finding: Finding) -> RenderableType:
+    where = " ".join(filter(None, [finding.file, finding.field]))
+    lines = Table.grid(padding=(0, 1))
+    lines.add_column(style="dim", justify="right", no_wrap=True)
+    lines.add_column(overflow="fold")
+    for name, text in (("found", finding.found), ("expected", finding.expected), ("mend", finding.mend)):
+        if text:
+            lines.add_row(name, printable(text))
+    style = _SEVERITY_STYLES[finding.severity]
+    title = Text.assemble((finding.severity, style), "  ", (finding.check, "bold"), "  ", printable(where))
+    return Group(title, Padding(lines, (0, 0, 0, 2)))
+
+
+def _verdict(audit: "Audit") -> Text:
+    counts = Counter(finding.severity for finding in audit.findings)
+    if not counts:
+        return Text(f"nothing wrong was found in {len(CHECKS)} checks", style="bold green")
+    said = ", ".join(_count(counts[severity], severity) for severity in _SEVERITY_STYLES if counts[severity])
+    return Text(said, style="bold red" if counts["error"] else "bold yellow" if counts["warning"] else "bold")
 
 
 def _count(number: int, noun: str) -> str:

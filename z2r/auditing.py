@@ -1,0 +1,372 @@
+"""What is wrong with a dataset? Every check in one pass over its files; each fault is a finding, and none an exception.
+
+The reader believes its input or refuses it at the first fault. The audit does neither: it holds what a dataset says of
+itself in one place against what it says in another, and goes on.
+"""
+
+import os
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from itertools import chain
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from z2r.breaks import BreakMode
+from z2r.checks import frames, index, physics, structure, values
+from z2r.checks.findings import CHECKS, Finding, from_fault, warning
+from z2r.checks.structure import Ints, Rows
+from z2r.dataset import Dataset, Frames, in_threads, load
+from z2r.episodes import EpisodeIndex
+from z2r.errors import DatasetError
+from z2r.parquet import open_parquet
+from z2r.reading import PUSHT, Reading
+from z2r.schema import ACTION, BOOKKEEPING, MAX_SIGNAL_SIZE, Schema, inside, read_schema
+from z2r.verdict import read_verdict, verdict_path
+
+MAX_OF_A_CHECK = 5  # findings in detail: a fault that is in every file would hide the others
+
+_SOME = 5  # names in one line
+_ORDER = {name: number for number, name in enumerate(CHECKS)}
+
+
+class Audit(msgspec.Struct, frozen=True):
+    """What is wrong with a dataset, and what nobody looked at.
+
+    Attributes
+    ----------
+    findings : tuple of Finding
+        In the order of the checks; empty where nothing is wrong.
+    more : dict of str to int
+        How many further findings of a check are left out.
+    not_checked : tuple of str
+        What was not checked, and why.
+    n_episodes, n_frames : int
+        How many there are, as far as they could be read.
+    readable : bool
+        False where `meta/info.json` or all episode metadata cannot be read, so that no frame was looked at.
+    """
+
+    findings: tuple[Finding, ...]
+    more: dict[str, int]
+    not_checked: tuple[str, ...]
+    n_episodes: int
+    n_frames: int
+    readable: bool
+
+    @property
+    def exit_code(self) -> int:
+        """0 where there is no error and no warning, 1 where there is one, 2 where the dataset is not readable."""
+        if not self.readable:
+            return 2
+        return int(any(finding.severity != "note" for finding in self.findings))
+
+    def to_dict(self, source: str) -> dict[str, Any]:
+        """Return the audit as plain Python values for `z2r audit --json`; keys are added and never renamed.
+
+        Parameters
+        ----------
+        source : str
+            What was audited, such as ``standin``.
+        """
+        counts = Counter(finding.severity for finding in self.findings)
+        return {
+            "source": source,
+            "exit_code": self.exit_code,
+            "n_episodes": self.n_episodes,
+            "n_frames": self.n_frames,
+            **{f"n_{severity}s": counts[severity] for severity in ("error", "warning", "note")},
+            "findings": [msgspec.to_builtins(finding) for finding in self.findings],
+            "more": self.more,
+            "not_checked": list(self.not_checked),
+        }
+
+
+def audit(
+    root: str | os.PathLike[str],
+    mode: BreakMode | None = None,
+    reading: Reading = PUSHT,
+    progress: Callable[[int, int], None] = lambda done, total: None,
+) -> Audit:
+    """Look for everything that can be wrong with a dataset, in one pass over its files.
+
+    Parameters
+    ----------
+    root : str or path
+        The folder of a LeRobot v3 dataset. It is not written to, and nothing outside of it is read but the simulator's
+        verdict beside it.
+    mode : BreakMode, optional
+        Audit what somebody believes who gets this assumption wrong. The dataset must be whole.
+    reading : Reading, optional
+        What the columns mean. Where the schema lacks its columns, the checks of the reading are left out.
+    progress : callable, optional
+        Called with the number of data files done and the number of all, after each.
+
+    Returns
+    -------
+    Audit
+        Memory is bounded by the data files in flight, at most four, and a few numbers for each episode.
+
+    Raises
+    ------
+    DatasetError
+        Only with a `mode`: if the dataset is not whole.
+
+    Examples
+    --------
+    >>> import z2r
+    >>> z2r.audit(z2r.STANDIN).findings
+    ()
+    >>> [finding.check for finding in z2r.audit(z2r.STANDIN, z2r.break_mode("yaw-swap-everywhere")).findings]
+    ['overlap']
+    """
+    root = Path(root)
+    if mode:
+        reading = mode.reading(reading)
+    try:
+        believed = _believe(root, mode) if mode else _read_story(root)
+    except DatasetError as fault:
+        if mode:
+            raise
+        check = "version" if fault.field == "codebase_version" else "info"
+        return _ended([from_fault(check, fault, root)])
+    if not len(believed.rows.number):
+        return _ended(believed.findings)
+    bases = _first_frames(root, believed)
+    parts = _fold_files(root, believed, bases, reading, progress)
+    findings = [*believed.findings, *_judge(root, believed, parts, bases, reading)]
+    n_frames = sum(part.n_rows or 0 for part in parts)
+    return _audit(findings, _not_checked(believed, parts, reading), len(believed.rows.number), n_frames, readable=True)
+
+
+class _Story(NamedTuple):
+    """What is believed of a dataset before its frames are read."""
+
+    schema: Schema
+    rows: Rows
+    files: Sequence[Path]  # relative to the root, in the order of their frames
+    tasks: Ints | None
+    stats: dict[str, dict[str, Any]]
+    findings: list[Finding]
+    trusted: bool  # whether the metadata is taken at its word
+
+    @property
+    def episodes(self) -> EpisodeIndex:
+        return EpisodeIndex(self.rows.start, self.rows.stop, self.rows.number)
+
+
+class _Part(NamedTuple):
+    """What is kept of one data file."""
+
+    n_rows: int | None
+    findings: list[Finding]
+    starts: Ints  # first row of each run of frames with one episode_index
+    numbers: Ints | None  # their episode_index
+    runs: dict[str, values.RunStats]
+    sums: physics.Sums | None
+
+
+def _read_story(root: Path) -> _Story:
+    schema = read_schema(root)
+    totals, findings = structure.read_totals(root)
+    columns, faults = structure.read_rows(root)
+    tasks, task_faults = structure.read_tasks(root)
+    stats, stats_faults = structure.read_stats(root)
+    findings += faults + task_faults + stats_faults
+    if columns is None:
+        return _Story(schema, Rows(*[np.array([], dtype=np.int64)] * 5), (), tasks, stats, findings, trusted=False)
+    rows, files, faults = structure.name_files(root, schema, columns)
+    findings += faults
+    findings += structure.check_order(files)
+    findings += structure.check_orphans(root, files)
+    findings += structure.check_totals(root, schema, totals, rows, None if tasks is None else len(tasks))
+    findings += structure.check_splits(totals, len(rows.number))
+    findings += structure.check_videos(root, schema, totals)
+    faults = list(index.check_rows(rows))
+    return _Story(schema, rows, files, tasks, stats, findings + faults, trusted=not faults)
+
+
+def _believe(root: Path, mode: BreakMode) -> _Story:
+    right = load(root)
+    told = _read_story(root)
+    believed = mode.dataset(right)
+    rows, files = _rows_of(believed)
+    findings = list(structure.check_totals(root, believed.schema, structure.Totals(), rows, None))
+    findings += index.check_rows(rows)
+    findings += told.findings
+    return told._replace(schema=believed.schema, rows=rows, files=files, findings=findings, trusted=True)
+
+
+def _rows_of(dataset: Dataset) -> tuple[Rows, list[Path]]:
+    episodes = dataset.episodes
+    numbers = np.arange(len(episodes)) if episodes.numbers is None else episodes.numbers
+    file = np.searchsorted([file.to_index for file in dataset.files], episodes.from_index, side="right")
+    rows = Rows(numbers, episodes.from_index, episodes.to_index, episodes.lengths, file)
+    return rows, [file.path.relative_to(dataset.root) for file in dataset.files]
+
+
+def _fold_files(
+    root: Path, story: _Story, bases: Sequence[int], reading: Reading, progress: Callable[[int, int], None]
+) -> list[_Part]:
+    parts = []
+    for part in in_threads(lambda file: _fold(root, story, file, bases[file], reading), range(len(story.files))):
+        parts.append(part)
+        progress(len(parts), len(story.files))
+    return parts
+
+
+def _first_frames(root: Path, story: _Story) -> list[int]:
+    """Say which frame of the dataset each file begins with; one that cannot be opened has as many as its episodes."""
+    bases = [0]
+    for file, path in enumerate(story.files):
+        try:
+            n_rows = open_parquet(inside(root, path)).metadata.num_rows
+        except DatasetError:
+            n_rows = int(story.rows.length[story.rows.file == file].sum())
+        bases.append(bases[-1] + n_rows)
+    return bases
+
+
+def _fold(root: Path, story: _Story, file: int, base: int, reading: Reading) -> _Part:
+    path, schema = story.files[file], story.schema
+    read = frames.read_file(root, schema, path)
+    findings = read.findings
+    if not read.n_rows:
+        if read.n_rows == 0:
+            findings += index.check_file_length(story.rows, file, 0, path)
+        return _Part(read.n_rows, findings, np.array([], dtype=np.int64), None, {}, None)
+    told = {name: values[:, 0] for name, values in read.frames.items() if name in BOOKKEEPING}
+    findings += index.check_file_length(story.rows, file, read.n_rows, path)
+    findings += _check_columns(told, story, base, path)
+    number = told.get("episode_index")
+    changes = np.zeros(read.n_rows, dtype=bool) if number is None else np.diff(number, prepend=number[0]) != 0
+    changes[0] = True
+    starts = np.flatnonzero(changes)
+    findings += values.check_unit_circle(read.frames, schema, path)
+    runs = {name: values.sum_up(column, starts) for name, column in read.frames.items()}
+    numbers = None if number is None else number[starts].astype(np.int64)
+    sums = None
+    if _fits(reading, schema) and {reading.feature, ACTION} <= set(read.frames):
+        episodes = story.episodes if story.trusted else _of_runs(starts, numbers, base, read.n_rows)
+        sums = physics.fold(read.frames, base, episodes, reading, schema)
+    return _Part(read.n_rows, findings, starts, numbers, runs, sums)
+
+
+def _check_columns(told: Frames, story: _Story, base: int, path: Path) -> Iterator[Finding]:
+    whole = {name: column.astype(np.int64) for name, column in told.items() if name != "timestamp"}
+    if "index" in whole:
+        yield from index.check_counting(whole["index"], base, path)
+    if "frame_index" in whole:
+        yield from index.check_frame_index(whole["frame_index"], whole.get("episode_index"), path)
+    if "timestamp" in told and "frame_index" in whole:
+        timestamp = told["timestamp"].astype(np.float64)
+        yield from index.check_timestamps(timestamp, whole["frame_index"], story.schema.fps, path)
+    if "task_index" in whole:
+        yield from index.check_task_index(whole["task_index"], story.tasks, path)
+
+
+def _of_runs(starts: Ints, numbers: Ints | None, base: int, n_rows: int) -> EpisodeIndex:
+    """Where episodes end by the frames' own `episode_index`: the metadata is no story to go by."""
+    return EpisodeIndex(base + starts, base + np.append(starts[1:], n_rows), numbers)
+
+
+def _judge(
+    root: Path, story: _Story, parts: Sequence[_Part], bases: Sequence[int], reading: Reading
+) -> Iterator[Finding]:
+    yield from chain.from_iterable(part.findings for part in parts)
+    readable = [part for part in parts if part.n_rows]
+    if readable and all(part.numbers is not None for part in readable):
+        yield from _judge_runs(root, story, parts, bases)
+    if readable and all(part.sums for part in readable):
+        sums = [part.sums for part in readable if part.sums]
+        files = [path for path, part in zip(story.files, parts, strict=True) if part.sums]
+        yield from physics.judge(sums, files, reading)
+        yield from _judge_verdict(root, story, physics.reached(sums, reading))
+
+
+def _judge_runs(root: Path, story: _Story, parts: Sequence[_Part], bases: Sequence[int]) -> Iterator[Finding]:
+    """Hold the runs of frames against the metadata, and the values of each run against those of the others."""
+    tables = [
+        index.Runs(
+            part.numbers,
+            base + part.starts,
+            base + np.append(part.starts[1:], part.n_rows or 0),
+            np.full(len(part.starts), file),
+        )
+        for file, (part, base) in enumerate(zip(parts, bases, strict=False))
+        if part.numbers is not None
+    ]
+    runs = index.Runs(*(np.concatenate(columns) for columns in zip(*tables, strict=True)))
+    yield from index.check_runs(story.rows, runs, story.files)
+    readable = [part.runs for part in parts if part.n_rows]
+    shared = [name for name in story.schema.features if all(name in part for part in readable)]
+    stats = {name: values.joined([part[name] for part in readable]) for name in shared}
+    signals = story.schema.signals()
+    for name in (name for name in shared if name in signals):
+        yield from values.check_jumps(name, signals[name], stats[name], runs.number)
+        yield from values.check_frozen(name, signals[name], stats[name], runs.number)
+    yield from values.check_dead(story.schema, stats)
+    if all(part.n_rows for part in parts):
+        yield from values.check_stats(story.stats, stats)
+    run_of_episode = {number: run for run, number in enumerate(runs.number.tolist())}
+    yield from values.check_episode_stats(root, story.schema, stats, run_of_episode)
+
+
+def _judge_verdict(root: Path, story: _Story, reached: NDArray[np.bool_]) -> Iterator[Finding]:
+    name = verdict_path(root).name
+    try:
+        verdict = read_verdict(root)
+    except DatasetError as fault:
+        yield warning("verdict", name, fault.field, fault.found, fault.expected)
+        return
+    if verdict and len(reached) == len(story.episodes):
+        yield from physics.check_verdict(reached, story.episodes, verdict, name)
+
+
+def _fits(reading: Reading, schema: Schema) -> bool:
+    action = schema.features.get(ACTION)
+    return not reading.missing(schema) and action is not None and set(reading.velocity) <= set(action.dim_names)
+
+
+def _not_checked(story: _Story, parts: Sequence[_Part], reading: Reading) -> tuple[str, ...]:
+    """Say what nobody looked at."""
+    schema = story.schema
+    missing = []
+    unread = sum(part.n_rows is None for part in parts)
+    if unread:
+        missing.append(f"the frames of {unread} of {len(parts)} data files: they cannot be read")
+    if not _fits(reading, schema):
+        missing.append("what the columns mean: they are not those of the PushT task, the only reading there is")
+        missing.append("whether an action is possible, and whether it does what it says: nothing states its limits")
+        missing.append("success: nothing says what it would be")
+    elif not all(part.sums for part in parts):
+        missing.append("the reading: the state or the action of some file cannot be used")
+    pictures = [name for name, feature in schema.features.items() if not feature.is_numeric]
+    if pictures:
+        missing.append(f"pictures and text: {', '.join(pictures[:_SOME])} (only that the files are there)")
+    unsummed = [name for name, f in schema.features.items() if f.is_numeric and f.size > MAX_SIGNAL_SIZE]
+    if unsummed:
+        missing.append(f"the values of {', '.join(unsummed[:_SOME])}: more than {MAX_SIGNAL_SIZE} numbers a frame")
+    missing.append("whether the text of a task is true, and whether the demonstrations are any good")
+    return tuple(missing)
+
+
+def _ended(findings: Sequence[Finding]) -> Audit:
+    nothing_else = "everything else: without meta/info.json and the episode metadata, frames mean nothing"
+    return _audit(findings, (nothing_else,), 0, 0, readable=False)
+
+
+def _audit(
+    findings: Sequence[Finding], not_checked: tuple[str, ...], n_episodes: int, n_frames: int, *, readable: bool
+) -> Audit:
+    seen: Counter[str] = Counter()
+    kept = []
+    for finding in sorted(findings, key=lambda finding: _ORDER[finding.check]):
+        seen[finding.check] += 1
+        if seen[finding.check] <= MAX_OF_A_CHECK:
+            kept.append(finding)
+    more = {check: count - MAX_OF_A_CHECK for check, count in seen.items() if count > MAX_OF_A_CHECK}
+    return Audit(tuple(kept), more, not_checked, n_episodes, n_frames, readable)

@@ -1,0 +1,327 @@
+"""Is the reading right? Checks that need no label: what solid bodies, an action and time can do and cannot.
+
+Each data file is folded into sums (`Sums`); what they say is judged at the end.
+"""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from z2r.angles import wrap_angle
+from z2r.checks.findings import Finding, error, warning
+from z2r.checks.structure import Ints
+from z2r.dataset import Frames
+from z2r.episodes import EpisodeIndex
+from z2r.inspection import reduce_parts
+from z2r.overlap import LIMIT, overlap
+from z2r.pusht.task import ACTION_LIMIT
+from z2r.reading import Reading, named_columns, read_pose
+from z2r.schema import ACTION, Schema
+from z2r.success import FrameErrors, in_tolerance
+from z2r.verdict import Recording
+
+SHIFTS = (0, -1, 1, -2, 2)  # frames by which an action may be late or early; 0 first, so that it wins a tie
+
+_LEAP = 0.08  # m in one frame, beyond what the action asks for
+_SMOOTH = 0.02  # m: as close as the action predicts the next frame where nothing was cut
+_MIN_STEPS = 50  # from fewer nothing can be said about a correlation
+_CLEARLY = 0.1  # better, of two correlations
+_EXPLAINS = 0.5  # correlation of an action with what it does: 0.99 on the shipped data
+_SCALES = (0.5, 2.0)  # of the speed that is asked for, what is reached: 0.92 to 0.96 on the shipped data
+_FEW = 3  # episodes
+
+type Floats = NDArray[np.float64]
+
+
+class Worst(NamedTuple):
+    """How often something happened, how bad it was at worst, and in which frame of the dataset."""
+
+    times: int = 0
+    value: float = 0.0
+    frame: int = 0
+
+
+class Sums(NamedTuple):
+    """What is kept of one data file."""
+
+    overlap: Worst
+    beyond_limit: Worst
+    leaps: Worst
+    seams: Worst
+    half_turns: Worst
+    motion: Floats  # (n_shifts, 2 axes, 6 sums): n, a, v, aa, vv, av
+    episode: Ints  # numbers of the episodes that this file holds a part of
+    in_tolerance: NDArray[np.bool_]  # in one of its frames
+    first: Floats  # offset from the target in its first frame here: x [m], y [m], turn [rad]
+    last: Floats
+
+
+def fold(frames: Frames, base: int, episodes: EpisodeIndex, reading: Reading, schema: Schema) -> Sums:
+    """Sum up one data file, whose first row is frame `base` of the dataset."""
+    state, n = frames[reading.feature], len(frames[reading.feature])
+    here, starts, stops = _parts(episodes, base, n)
+    inside = _pairs_inside(starts, stops, n)
+    begins = np.isin(np.arange(1, n), starts)
+    columns = named_columns(state, reading, schema)
+    steps = np.stack([np.diff(columns[name]) for name in reading.pusher], axis=1)
+    action = _velocity(frames, reading, schema)
+    tee = read_pose(columns, reading.tee)
+    offset = _offset(columns, reading)
+    errors = FrameErrors(np.hypot(*offset[:, :2].T), np.abs(offset[:, 2]))
+    leaps, smooth = _leaps(steps, action, np.hypot(np.diff(tee.x), np.diff(tee.y)), 1 / schema.fps)
+    depth = overlap(state, reading, schema)
+    fine = in_tolerance(errors, reading)
+    return Sums(
+        overlap=_worst(depth, depth > LIMIT, base),
+        beyond_limit=_worst(np.abs(action).max(axis=1), np.abs(action).max(axis=1) > ACTION_LIMIT * (1 + 1e-6), base),
+        leaps=_worst(leaps, (leaps > _LEAP) & inside, base + 1),
+        seams=_worst(smooth, (smooth < _SMOOTH) & begins & ~inside, base + 1),
+        half_turns=_worst(errors.ang_err, errors.ang_err > np.pi + 1e-6, base),
+        motion=_motion(steps * schema.fps, action, inside, reading.action_lag),
+        episode=here if episodes.numbers is None else episodes.numbers[here],
+        in_tolerance=reduce_parts(np.logical_or, fine, starts, stops),
+        first=offset[starts],
+        last=offset[stops - 1],
+    )
+
+
+def judge(sums: Sequence[Sums], files: Sequence[Path], reading: Reading) -> Iterator[Finding]:
+    """Say what the sums of all data files say; `files` are theirs, in the same order."""
+    yield from _judge_overlap(sums, files)
+    yield from _judge_limit(sums, files)
+    yield from _judge_leaps(sums, files)
+    yield from _judge_motion(np.sum([each.motion for each in sums], axis=0))
+    yield from _judge_half_turns(sums, files)
+    yield from _judge_ends(sums, reading)
+
+
+def check_verdict(
+    reached: NDArray[np.bool_], episodes: EpisodeIndex, verdict: Recording, name: str
+) -> Iterator[Finding]:
+    """Does the reading agree with the simulator? Success implies that the last stored frame is in tolerance.
+
+    Parameters
+    ----------
+    reached : ndarray, bool[n_episodes]
+        As the reading has it.
+    episodes : EpisodeIndex
+        Where episodes end.
+    verdict : Recording
+        What the simulator said.
+    name : str
+        Of the file with the verdict.
+    """
+    told = [each.n_frames for each in verdict.episodes]
+    if told != episodes.lengths.tolist():
+        found = f"{len(told)} episodes with {sum(told)} frames"
+        yield warning(
+            "verdict", name, "episodes", found, f"{len(episodes)} with {episodes.n_frames}, as the index says"
+        )
+        return
+    failed = np.array([each.success for each in verdict.episodes]) & ~reached
+    if failed.any():
+        yield error(
+            "verdict",
+            name,
+            f"success of episode {int(failed.argmax())}",
+            f"true, and {int(failed.sum())} of {len(failed)} episodes that succeeded are read as not reached",
+            "every success read as reached",
+            "The reading is wrong, or its tolerances are",
+        )
+
+
+def reached(sums: Sequence[Sums], reading: Reading) -> NDArray[np.bool_]:
+    """Tell which episodes are in tolerance in their decisive frame, in the order of their numbers."""
+    x, y, turn = _decisive(sums, reading).T
+    fine: NDArray[np.bool_] = (np.hypot(x, y) <= reading.pos_tol) & (np.abs(turn) <= reading.ang_tol)
+    return fine
+
+
+def _judge_overlap(sums: Sequence[Sums], files: Sequence[Path]) -> Iterator[Finding]:
+    worst, file = _overall([each.overlap for each in sums], files)
+    if worst.times:
+        yield error(
+            "overlap",
+            file,
+            f"frame {worst.frame}",
+            f"the pusher {1000 * worst.value:.1f} mm inside the block ({worst.times:,} frames like it)",
+            f"solid bodies apart, or at most {1000 * LIMIT:.0f} mm into each other",
+            "A yaw is read wrong (sine and cosine swapped?), or two columns have each other's names",
+        )
+
+
+def _judge_limit(sums: Sequence[Sums], files: Sequence[Path]) -> Iterator[Finding]:
+    worst, file = _overall([each.beyond_limit for each in sums], files)
+    if worst.times:
+        found = f"{worst.value:.3g} m/s ({worst.times:,} frames like it)"
+        yield warning("action-range", file, f"action of frame {worst.frame}", found, f"at most {ACTION_LIMIT} m/s")
+
+
+def _judge_leaps(sums: Sequence[Sums], files: Sequence[Path]) -> Iterator[Finding]:
+    leaps, file = _overall([each.leaps for each in sums], files)
+    if leaps.times:
+        yield error(
+            "leap",
+            file,
+            f"frame {leaps.frame}, inside an episode",
+            f"a leap of {1000 * leaps.value:.0f} mm beyond what the action asks ({leaps.times:,} like it)",
+            "a leap only where an episode ends",
+            "The index lacks a boundary here, or frames are missing or in the wrong order",
+        )
+    seams, file = _overall([each.seams for each in sums], files)
+    if seams.times:
+        yield warning(
+            "leap",
+            file,
+            f"frame {seams.frame}, where an episode begins",
+            f"motion that runs straight on ({seams.times:,} like it)",
+            "a new start",
+            "The motion has no boundary here: is the index off by a frame, or one episode cut in two?",
+        )
+
+
+def _judge_motion(motion: Floats) -> Iterator[Finding]:
+    if motion[0, :, 0].min() < _MIN_STEPS:
+        return
+    with np.errstate(invalid="ignore", divide="ignore"):
+        n, a, v, aa, vv, av = np.moveaxis(motion, 2, 0)
+        correlation = (n * av - a * v) / np.sqrt((n * aa - a**2) * (n * vv - v**2))
+        scale = av / aa
+    if not np.isfinite(correlation).all():
+        return  # nothing moves, or nobody asks it to
+    strength = np.abs(correlation).mean(axis=1)
+    best = int(strength.argmax())
+    name = "action against the motion of the pusher"
+    if strength[best] < _EXPLAINS:
+        found = f"a correlation of {correlation[0].mean():.2f}"
+        expected = "the action to move the pusher"
+        mend = "Are the columns of the action, or of the pusher, in another order?"
+        yield warning("action-motion", "data", name, found, expected, mend)
+    elif strength[best] > strength[0] + _CLEARLY:
+        shift = SHIFTS[best]
+        late = "after" if shift < 0 else "before"
+        found = f"the best match {abs(shift)} frame{'s' * (abs(shift) > 1)} {late} the action is stored"
+        expected = f"it at once (correlation {strength[best]:.2f} there, {strength[0]:.2f} at once)"
+        mend = "Actions and observations are shifted against each other"
+        yield warning("action-motion", "data", name, found, expected, mend)
+    elif (correlation[best] < 0).any():
+        axes = " and ".join(axis for axis, value in zip("xy", correlation[best], strict=True) if value < 0)
+        found = f"motion against the action along {axes}"
+        yield error("action-motion", "data", name, found, "motion the same way", "A sign is wrong")
+    elif not (_SCALES[0] <= scale[best].min() and scale[best].max() <= _SCALES[1]):
+        found = f"{scale[best].mean():.3g} times the speed that is asked for"
+        mend = "Is it the fps, or a unit (m and mm, m/s and m per frame)?"
+        yield error("action-motion", "data", name, found, "about 1 time", mend)
+
+
+def _judge_half_turns(sums: Sequence[Sums], files: Sequence[Path]) -> Iterator[Finding]:
+    worst, file = _overall([each.half_turns for each in sums], files)
+    if worst.times:
+        found = f"{worst.value:.2f} rad ({worst.times:,} frames like it)"
+        mend = "Wrap the difference of two angles into one turn"
+        yield error("yaw-error", file, f"error in yaw of frame {worst.frame}", found, "at most 3.14 rad", mend)
+
+
+def _judge_ends(sums: Sequence[Sums], reading: Reading) -> Iterator[Finding]:
+    in_tolerance_once = np.concatenate([each.in_tolerance for each in sums])
+    ever = len(np.unique(_all_parts(sums)[in_tolerance_once]))
+    fine = int(reached(sums, reading).sum())
+    if ever >= _FEW and fine < ever / 2:
+        found = f"{fine} in tolerance in their {reading.decisive} frame"
+        expected = f"most of the {ever} that are in tolerance at some time"
+        mend = f"Is it the {reading.decisive} frame that tells? Do ranges end where episodes end?"
+        yield warning("decisive-frame", "data", "episodes", found, expected, mend)
+    x, y, turn = _decisive(sums, reading).T
+    if reading.decisive == "first" or len(turn) < _FEW:
+        return
+    mean_turn = np.exp(1j * turn).mean()
+    turned, turn_spread = abs(np.angle(mean_turn)), np.sqrt(-2 * np.log(abs(mean_turn)))
+    if turned > max(reading.ang_tol, 2 * turn_spread):
+        found = f"all turned by about {np.angle(mean_turn):.2f} rad from the target"
+        mend = "The yaw of the block or of the target is read wrong (sine and cosine swapped?)"
+        yield warning("final-offset", "data", "last frames", found, "ends around the target", mend)
+    middle = np.median(np.stack([x, y]), axis=1)
+    spread = float(np.median(np.hypot(x - middle[0], y - middle[1])))
+    if np.hypot(*middle) > max(reading.pos_tol, 2 * spread):
+        found = f"all about {1000 * middle[0]:.0f} and {1000 * middle[1]:.0f} mm away from the target"
+        mend = "The position of the block or of the target is read wrong"
+        yield warning("final-offset", "data", "last frames", found, "ends around the target", mend)
+
+
+def _parts(episodes: EpisodeIndex, base: int, n: int) -> tuple[Ints, Ints, Ints]:
+    """Which episodes the rows of a file belong to, and where they start and stop among them."""
+    here = np.flatnonzero((episodes.from_index < base + n) & (episodes.to_index > base))
+    starts = np.maximum(episodes.from_index[here], base) - base
+    stops = np.minimum(episodes.to_index[here], base + n) - base
+    return here, starts, stops
+
+
+def _pairs_inside(starts: Ints, stops: Ints, n: int) -> NDArray[np.bool_]:
+    """Tell of each frame and the next whether one episode holds both, bool[n - 1]."""
+    change = np.zeros(n + 1, dtype=np.int64)
+    np.add.at(change, starts, 1)
+    np.add.at(change, np.maximum(stops - 1, starts), -1)
+    inside: NDArray[np.bool_] = np.cumsum(change)[: n - 1] > 0
+    return inside
+
+
+def _velocity(frames: Frames, reading: Reading, schema: Schema) -> Floats:
+    places = schema.columns(ACTION, reading.velocity)
+    return frames[ACTION][:, places].astype(np.float64)
+
+
+def _offset(columns: dict[str, Floats], reading: Reading) -> Floats:
+    """How far the block is from the target: x [m], y [m], turn [rad], float64[n, 3]."""
+    tee, target = read_pose(columns, reading.tee), read_pose(columns, reading.target)
+    turn = tee.yaw - target.yaw
+    return np.stack([tee.x - target.x, tee.y - target.y, wrap_angle(turn) if reading.wraps else turn], axis=1)
+
+
+def _leaps(steps: Floats, action: Floats, block_steps: Floats, seconds: float) -> tuple[Floats, Floats]:
+    """How far pusher or block go beyond what the action asks, and how far they are from where it would bring them."""
+    asked = action[:-1] * seconds
+    beyond = np.maximum(np.hypot(*steps.T), block_steps) - np.hypot(*asked.T)
+    return beyond, np.maximum(np.hypot(*(steps - asked).T), block_steps)
+
+
+def _motion(velocity: Floats, action: Floats, inside: NDArray[np.bool_], lag: int) -> Floats:
+    """Sums from which the correlation of action and velocity follows, for each shift and axis."""
+    segment = np.cumsum(np.concatenate([[True], ~inside]))  # the same number where frames hang together
+    sums = np.zeros((len(SHIFTS), 2, 6))
+    for place, shift in enumerate(SHIFTS):
+        first, end = max(0, -shift - lag), min(len(velocity), len(action) - shift - lag)
+        if first >= end:
+            continue
+        a, v = action[first + shift + lag : end + shift + lag], velocity[first:end]
+        same_episode = segment[first + shift + lag : end + shift + lag] == segment[first:end]
+        valid = (inside[first:end] & same_episode).astype(np.float64)
+        sums[place] = np.stack([np.full(2, valid.sum()), *(valid @ x for x in (a, v, a * a, v * v, a * v))], axis=1)
+    return sums
+
+
+def _worst(values: Floats, wrong: NDArray[np.bool_], first_frame: int) -> Worst:
+    if not wrong.any():
+        return Worst()
+    row = int(np.where(wrong, values, -np.inf).argmax())
+    return Worst(int(wrong.sum()), float(values[row]), first_frame + row)
+
+
+def _overall(worst: Sequence[Worst], files: Sequence[Path]) -> tuple[Worst, Path]:
+    place = max(range(len(worst)), key=lambda i: (worst[i].times > 0, worst[i].value))
+    return worst[place]._replace(times=sum(each.times for each in worst)), files[place]
+
+
+def _all_parts(sums: Sequence[Sums]) -> Ints:
+    return np.concatenate([each.episode for each in sums])
+
+
+def _decisive(sums: Sequence[Sums], reading: Reading) -> Floats:
+    """Offset from the target in the decisive frame of each episode; of one in several files, the part that holds it."""
+    parts = _all_parts(sums)
+    if reading.decisive == "first":
+        return np.concatenate([each.first for each in sums])[np.unique(parts, return_index=True)[1]]
+    backwards = np.unique(parts[::-1], return_index=True)[1]
+    return np.concatenate([each.last for each in sums])[::-1][backwards]

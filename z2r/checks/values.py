@@ -1,0 +1,221 @@
+"""Are the values what a sensor gives? Summed up for each run of frames, so that no file stays in memory."""
+
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from z2r.checks.findings import Finding, error, warning
+from z2r.checks.index import and_more
+from z2r.checks.structure import STATS_PATH, Ints
+from z2r.dataset import Frames
+from z2r.episodes import shard_paths
+from z2r.errors import DatasetError
+from z2r.parquet import integers, open_parquet, read_columns, vectors
+from z2r.schema import ACTION, STATE, Feature, Schema
+
+UNIT_TOLERANCE = 0.01  # of sin² + cos²: rounding to three digits stays within
+JUMP = 10  # times the step that is usual: no sensor of a moving robot was seen to do that by itself
+
+_FEW = 5  # episodes: from so few nothing can be said about what is usual
+_LONG = 20  # frames: a sensor may well stand still for less
+_MOST = 0.9  # of the episodes
+_ROUGH = 5e-6  # of a variance, as a share of the largest square
+
+type Floats = NDArray[np.float64]
+
+
+class RunStats(NamedTuple):
+    """One feature in each run of frames: float64[n_runs] and float64[n_runs, size].
+
+    `n` is the number of frames, `squares` the sum of the squared distances from the mean, `step` the largest step from
+    one frame to the next.
+    """
+
+    n: Floats
+    low: Floats
+    high: Floats
+    mean: Floats
+    squares: Floats
+    step: Floats
+
+
+def sum_up(values: NDArray[np.generic], starts: Ints) -> RunStats:
+    """Sum one feature up for each run; a run begins at each of `starts` and ends where the next begins."""
+    exact = values.astype(np.float64)
+    count = np.diff(np.append(starts, len(exact)))
+    mean = np.add.reduceat(exact, starts) / count[:, None]
+    squares = np.add.reduceat(np.square(exact - np.repeat(mean, count, axis=0)), starts)
+    steps = np.abs(np.diff(exact, axis=0, prepend=exact[:1]))
+    steps[starts] = 0
+    low, high = np.minimum.reduceat(exact, starts), np.maximum.reduceat(exact, starts)
+    return RunStats(count.astype(np.float64), low, high, mean, squares, np.maximum.reduceat(steps, starts))
+
+
+def joined(parts: list[RunStats]) -> RunStats:
+    """Put the runs of all files after each other."""
+    return RunStats(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+
+
+def unit_pairs(feature: Feature) -> list[tuple[int, int]]:
+    """Find the dimensions that hold a sine and a cosine of one angle, by their names.
+
+    >>> unit_pairs(Feature("float32", (3,), ["sin_yaw", "x", "cos_yaw"]))
+    [(0, 2)]
+    """
+    names = feature.dim_names
+    partners = [re.sub(r"(?<![^\W_])sin(?![^\W_])", "cos", name) for name in names]
+    return [(i, names.index(other)) for i, other in enumerate(partners) if other != names[i] and other in names]
+
+
+def check_unit_circle(frames: Frames, schema: Schema, path: Path) -> Iterator[Finding]:
+    """Is sin² + cos² = 1 for every angle that is stored as (sin, cos)?"""
+    for name, values in frames.items():
+        feature = schema.features[name]
+        for sine, cosine in unit_pairs(feature):
+            squares = np.square(values[:, [sine, cosine]].astype(np.float64)).sum(axis=1)
+            wrong = np.abs(squares - 1) > UNIT_TOLERANCE
+            if wrong.any():
+                row = int(wrong.argmax())
+                pair = f"{feature.dim_names[sine]}² + {feature.dim_names[cosine]}²"
+                found = f"{squares[row]:.3f}{and_more(wrong)}"
+                yield error("unit-circle", path, f"{name}: {pair} in row {row}", found, "1: a sine and its cosine")
+
+
+def check_stats(stored: Mapping[str, Mapping[str, Any]], runs: Mapping[str, RunStats]) -> Iterator[Finding]:
+    """Are the stored statistics those of the data?"""
+    for name, stats in runs.items():
+        if stored and name not in stored:
+            yield warning("stats", STATS_PATH, name, "no statistics", "some for each numeric feature")
+        for what, told, computed in _differences(stored.get(name, {}), _pooled(stats)):
+            mend = "A policy scales its input with them: recompute the statistics"
+            yield warning("stats", STATS_PATH, f"{name}.{what}", told, f"{computed}, recomputed", mend)
+
+
+def check_episode_stats(
+    root: Path, schema: Schema, runs: Mapping[str, RunStats], run_of_episode: Mapping[int, int]
+) -> Iterator[Finding]:
+    """Are the statistics of each episode, which are stored with the metadata, those of its frames?"""
+    for path in shard_paths(root):
+        for name, stats in runs.items():
+            try:
+                yield from _check_shard_stats(path, root, name, schema.features[name], stats, run_of_episode)
+            except DatasetError:
+                return  # another check names what is wrong with the shard
+
+
+def _check_shard_stats(
+    path: Path, root: Path, name: str, feature: Feature, stats: RunStats, run_of_episode: Mapping[int, int]
+) -> Iterator[Finding]:
+    parquet = open_parquet(path)
+    prefix = f"stats/{name}/"
+    kinds = [kind for kind in ("count", "min", "max", "mean", "std") if prefix + kind in parquet.schema_arrow.names]
+    table = read_columns(parquet, path, ["episode_index", *(prefix + kind for kind in kinds)])
+    runs = np.array([run_of_episode.get(number, -1) for number in integers(table, "episode_index", path).tolist()])
+    there = runs >= 0
+    found = {kind: vectors(table, prefix + kind, (1,) if kind == "count" else feature.shape, path) for kind in kinds}
+    for kind, computed, tolerance in _statistics(RunStats(*(column[runs[there]] for column in stats))):
+        if kind not in found:
+            continue
+        told = found[kind][there].astype(np.float64)
+        wrong = ~(np.abs(told - computed) <= tolerance)
+        if wrong.any():
+            row, column = np.argwhere(wrong)[0].tolist()
+            episode = np.flatnonzero(there)[row]
+            place = f"{prefix}{kind}{_dim(feature, column)} in row {episode}"
+            said = f"{told[row, column]:.6g}{and_more(wrong)}"
+            yield warning("stats", path.relative_to(root), place, said, f"{computed[row, column]:.6g}, recomputed")
+
+
+def check_jumps(name: str, feature: Feature, stats: RunStats, numbers: Ints) -> Iterator[Finding]:
+    """Does a value leap many times further than it ever does elsewhere?"""
+    moving = stats.n >= _FEW
+    if moving.sum() < _FEW:
+        return
+    usual = np.median(stats.step[moving], axis=0)
+    wrong = (stats.step > JUMP * usual) & (usual > 0)
+    for column in np.flatnonzero(wrong.any(axis=0)).tolist():
+        run = int(stats.step[:, column].argmax())
+        found = f"a step of {stats.step[run, column]:.3g}{and_more(wrong[:, column])}"
+        expected = f"about {usual[column]:.3g} at most, as in the other episodes"
+        yield warning("jump", "data", f"{name}{_dim(feature, column)} in episode {numbers[run]}", found, expected)
+
+
+def check_frozen(name: str, feature: Feature, stats: RunStats, numbers: Ints) -> Iterator[Finding]:
+    """Does a sensor stand still for a long episode while it moves in nearly all others?"""
+    long = stats.n >= _LONG
+    if long.sum() < _FEW:
+        return
+    span = stats.high - stats.low
+    moves = span > 0
+    # What goes from one end of its span to the other in one step is a switch, and may well not be used.
+    is_switch = (~moves | (stats.step > _MOST * span))[long].mean(axis=0) > 0.5
+    wrong = ~moves & long[:, None] & (moves[long].mean(axis=0) >= _MOST) & ~is_switch
+    for column in np.flatnonzero(wrong.any(axis=0)).tolist():
+        run = int(wrong[:, column].argmax())
+        found = f"{stats.low[run, column]:.4g} in all {stats.n[run]:.0f} frames{and_more(wrong[:, column])}"
+        place = f"{name}{_dim(feature, column)} in episode {numbers[run]}"
+        yield warning("frozen", "data", place, found, "a value that moves, as in the other episodes")
+
+
+def check_dead(schema: Schema, runs: Mapping[str, RunStats]) -> Iterator[Finding]:
+    """Does an observation stand still although the action of the same name moves it?"""
+    if STATE not in runs or ACTION not in runs:
+        return
+    state, action = schema.features[STATE].dim_names, schema.features[ACTION].dim_names
+    for name in (name for name in action if name in state):
+        asked, seen = (
+            (stats.high[:, column].max(), stats.low[:, column].min())
+            for stats, column in ((runs[ACTION], action.index(name)), (runs[STATE], state.index(name)))
+        )
+        if asked[0] > asked[1] and seen[0] == seen[1]:
+            expected = f"one that moves: the action {name} goes from {asked[1]:.3g} to {asked[0]:.3g}"
+            yield warning("frozen", "data", f"{STATE}[{name}]", f"{seen[0]:.4g} in all frames", expected)
+
+
+def _pooled(stats: RunStats) -> RunStats:
+    """Take all runs together: one row."""
+    count, weight = stats.n.sum(), stats.n[:, None]
+    mean = (stats.mean * weight).sum(axis=0) / count
+    squares = (stats.squares + weight * np.square(stats.mean - mean)).sum(axis=0)
+    low, high = stats.low.min(axis=0), stats.high.max(axis=0)
+    return RunStats(*(np.array([column]) for column in (count, low, high, mean, squares, stats.step.max(axis=0))))
+
+
+def _statistics(stats: RunStats) -> Iterator[tuple[str, Floats, Floats]]:
+    """Yield each statistic as LeRobot names it, with how far a stored one may be off."""
+    std = np.sqrt(stats.squares / stats.n[:, None])
+    size = np.maximum(np.abs(stats.low), np.abs(stats.high))
+    close = 1e-5 * size + 1e-6
+    yield "count", stats.n[:, None], np.zeros_like(stats.n[:, None])
+    yield "min", stats.low, close
+    yield "max", stats.high, close
+    yield "mean", stats.mean, close + 1e-3 * std
+    # LeRobot takes the variance as a difference of two means of squares, in float32: near 1, a small one is rough.
+    yield "std", std, close + 1e-3 * std + np.sqrt(np.square(std) + _ROUGH * np.square(size)) - std
+
+
+def _differences(stored: Mapping[str, Any], stats: RunStats) -> Iterator[tuple[str, str, str]]:
+    """Yield the statistics that differ: which one, what is stored, what is right."""
+    for kind, computed, tolerance in _statistics(stats):
+        if kind not in stored:
+            continue
+        try:
+            told = np.asarray(stored[kind], dtype=np.float64).ravel()
+        except (TypeError, ValueError):
+            yield kind, "something else", f"{computed.size} numbers"
+            continue
+        if told.size != computed.size:
+            yield kind, f"{told.size} numbers", f"{computed.size} numbers"
+            continue
+        wrong = ~(np.abs(told - computed[0]) <= tolerance[0])
+        if wrong.any():
+            column = int(wrong.argmax())
+            yield f"{kind}[{column}]", f"{told[column]:.6g}{and_more(wrong)}", f"{computed[0, column]:.6g}"
+
+
+def _dim(feature: Feature, column: int) -> str:
+    return f"[{feature.dim_names[column]}]" if feature.dim_names else f"[{column}]" if feature.size > 1 else ""
