@@ -19,6 +19,8 @@ from .reading import Reading as Reading
 from .reading import named_columns as named_columns
 from .reading import read_pose as read_pose
 from .recorder import record as record
+from .salvage import Salvage as Salvage
+from .salvage import salvage as salvage
 from .replay import write_replay as write_replay
 from .schema import Feature as Feature
 from .schema import Schema as Schema

@@ -300,7 +300,7 @@ def _judge_runs(root: Path, story: _Story, parts: Sequence[_Part], bases: Sequen
         if part.numbers is not None
     ]
     runs = index.Runs(*(np.concatenate(columns) for columns in zip(*tables, strict=True)))
-    yield from index.check_runs(story.rows, runs, story.files)
+    yield from index.check_runs(story.rows, runs, story.files, [i for i, part in enumerate(parts) if part.n_rows])
     readable = [part.runs for part in parts if part.n_rows]
     shared = [name for name in story.schema.features if all(name in part for part in readable)]
     stats = {name: values.joined([part[name] for part in readable]) for name in shared}

@@ -2,7 +2,7 @@
 
 import contextlib
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -72,6 +72,12 @@ def audit_report(audit: "Audit", title: str) -> RenderableType:
     left_out = [Text(f"{check}: {number:,} more like these", style="dim") for check, number in audit.more.items()]
     not_checked = [Text(f"not checked: {printable(what)}", style="dim") for what in audit.not_checked]
     return Group(head, *findings, Text(), *left_out, _verdict(audit), *not_checked)
+
+
+def left_out(lines: Sequence[str]) -> Text:
+    """Say which episodes of a damaged dataset are not in what was read."""
+    said = "".join(f"\n  {printable(line)}" for line in lines) or " nothing"
+    return Text.assemble(("left out:", "bold yellow"), said)
 
 
 def _finding(finding: Finding) -> RenderableType:
@@ -150,7 +156,7 @@ def _episode_table(inspection: Inspection) -> Table:
             table.add_column(name, justify="right")
     for episode in range(min(len(episodes), MAX_ROWS)):
         length = int(episodes.lengths[episode])
-        cells: list[RenderableType] = [str(episode), str(episodes.from_index[episode]), str(length)]
+        cells: list[RenderableType] = [str(episodes.number(episode)), str(episodes.from_index[episode]), str(length)]
         cells.append(Bar(longest, 0, length, color="blue"))
         if outcome:
             reached = bool(outcome.reached[episode])

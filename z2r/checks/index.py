@@ -54,8 +54,8 @@ def check_rows(rows: Rows) -> Iterator[Finding]:
         )
 
 
-def check_runs(rows: Rows, runs: Runs, files: Sequence[Path]) -> Iterator[Finding]:
-    """Does the episode metadata say of each episode what the frames say?"""
+def check_runs(rows: Rows, runs: Runs, files: Sequence[Path], read: Sequence[int]) -> Iterator[Finding]:
+    """Does the episode metadata say of each episode what the frames say? Of `files`, those at `read` could be read."""
     order = np.argsort(rows.number, kind="stable")
     place = np.minimum(np.searchsorted(rows.number[order], runs.number), len(order) - 1)
     row = order[place]
@@ -98,7 +98,7 @@ def check_runs(rows: Rows, runs: Runs, files: Sequence[Path]) -> Iterator[Findin
                 f"{told[run]}{and_more(wrong)}",
                 f"{seen[run]}, as episode_index in {files[runs.file[run]].as_posix()} says",
             )
-    missing = ~np.isin(rows.number, runs.number)
+    missing = ~np.isin(rows.number, runs.number) & np.isin(rows.file, read)
     if missing.any():
         episode = int(missing.argmax())
         yield error(
