@@ -148,6 +148,7 @@ class _Story(NamedTuple):
     schema: Schema
     rows: Rows
     files: Sequence[Path]  # relative to the root, in the order of their frames
+    shards: Sequence[Path]  # of the episode metadata: those that can be read
     tasks: Ints | None
     stats: dict[str, dict[str, Any]]
     findings: list[Finding]
@@ -172,21 +173,21 @@ class _Part(NamedTuple):
 def _read_story(root: Path) -> _Story:
     schema = read_schema(root)
     totals, findings = structure.read_totals(root)
-    columns, faults = structure.read_rows(root)
+    findings += structure.check_features(schema)
+    columns, shards, faults = structure.read_rows(root)
     tasks, task_faults = structure.read_tasks(root)
     stats, stats_faults = structure.read_stats(root)
     findings += faults + task_faults + stats_faults
-    if columns is None:
-        return _Story(schema, Rows(*[np.array([], dtype=np.int64)] * 5), (), tasks, stats, findings, trusted=False)
-    rows, files, faults = structure.name_files(root, schema, columns)
-    findings += faults
+    rows, files = structure.name_files(schema, columns)
+    if not len(rows.number):
+        return _Story(schema, rows, files, shards, tasks, stats, findings, trusted=False)
     findings += structure.check_order(files)
     findings += structure.check_orphans(root, files)
     findings += structure.check_totals(root, schema, totals, rows, None if tasks is None else len(tasks))
     findings += structure.check_splits(totals, len(rows.number))
     findings += structure.check_videos(root, schema, totals)
     faults = list(index.check_rows(rows))
-    return _Story(schema, rows, files, tasks, stats, findings + faults, trusted=not faults)
+    return _Story(schema, rows, files, shards, tasks, stats, findings + faults, trusted=not faults)
 
 
 def _believe(root: Path, mode: BreakMode) -> _Story:
@@ -260,7 +261,8 @@ def _check_columns(told: Frames, story: _Story, base: int, path: Path) -> Iterat
     if "index" in whole:
         yield from index.check_counting(whole["index"], base, path)
     if "frame_index" in whole:
-        yield from index.check_frame_index(whole["frame_index"], whole.get("episode_index"), path)
+        begins = np.isin(base + np.arange(len(whole["frame_index"])), story.rows.start) if story.trusted else None
+        yield from index.check_frame_index(whole["frame_index"], whole.get("episode_index"), begins, path)
     if "timestamp" in told and "frame_index" in whole:
         timestamp = told["timestamp"].astype(np.float64)
         yield from index.check_timestamps(timestamp, whole["frame_index"], story.schema.fps, path)
@@ -310,9 +312,9 @@ def _judge_runs(root: Path, story: _Story, parts: Sequence[_Part], bases: Sequen
         yield from values.check_frozen(name, signals[name], stats[name], runs.number)
     yield from values.check_dead(story.schema, stats)
     if all(part.n_rows for part in parts):
-        yield from values.check_stats(story.stats, stats)
+        yield from values.check_stats(story.stats, stats, story.schema)
     run_of_episode = {number: run for run, number in enumerate(runs.number.tolist())}
-    yield from values.check_episode_stats(root, story.schema, stats, run_of_episode)
+    yield from values.check_episode_stats(root, story.shards, story.schema, stats, run_of_episode)
 
 
 def _judge_verdict(root: Path, story: _Story, reached: NDArray[np.bool_]) -> Iterator[Finding]:

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+_MAX_LENGTH = 200
+
 
 class DatasetError(Exception):
     """A fault in a dataset: where it is, what was found, what was expected, and how to mend it.
@@ -25,14 +27,24 @@ class DatasetError(Exception):
 
     def __init__(self, path: Path, field: str, *, found: str, expected: str, mend: str = "") -> None:
         self.path, self.field, self.found, self.expected, self.mend = path, field, found, expected, mend
-        where = f"{path}: {field}" if field else f"{path}"
+        where = f"{path}: {short(field)}" if field else f"{path}"
         advice = f". {mend}" if mend else ""
         # Names in a dataset are data: a line break or a control character in one must not break the line.
-        super().__init__(printable(f"{where}: found {found}, expected {expected}{advice}"))
+        super().__init__(printable(f"{where}: found {short(found)}, expected {short(expected)}{advice}"))
 
 
 class MissingExtraError(ImportError):
     """Recording needs packages that reading does not."""
+
+
+def short(text: object) -> str:
+    """Return a text as it is, or its beginning: a dataset may give a name, or a number, of any length.
+
+    >>> len(short("1" * 10**6))
+    203
+    """
+    said = str(text)
+    return said if len(said) <= _MAX_LENGTH else f"{said[:_MAX_LENGTH]}..."
 
 
 def printable(text: str) -> str:

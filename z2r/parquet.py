@@ -19,6 +19,7 @@ from z2r.errors import DatasetError
 # The last one: pyarrow meets a damaged column name.
 _UNREADABLE = (pa.ArrowException, OSError, UnicodeDecodeError)
 _NUMERIC = "numbers, one for each frame"
+_MAX_NUMBERS = 2**28  # in one file: 1 GiB of float32
 _MOST_NAMES = 12  # as many as one line of an error holds
 
 
@@ -62,16 +63,51 @@ def read_columns(file: pq.ParquetFile, path: Path, columns: Sequence[str], n_row
     Raises
     ------
     DatasetError
-        If a column is missing or the bytes cannot be decoded.
+        If a column is missing or comes twice, or the bytes cannot be decoded, or the file has fewer rows than it says,
+        or more than fit into memory: a small file can claim a billion.
     """
     present = file.schema_arrow.names
     for column in columns:
         if column not in present:
             raise DatasetError(path, column, found="no such column", expected=f"it among {_some(present)}")
+        if present.count(column) > 1:
+            raise DatasetError(path, column, found=f"{present.count(column)} columns of this name", expected="one")
+    claimed = file.metadata.num_rows if n_rows is None else min(n_rows, file.metadata.num_rows)
+    a_row = sum(width(file.schema_arrow.field(column).type) or 1 for column in columns)
+    if claimed * a_row > _MAX_NUMBERS:
+        raise DatasetError(
+            path,
+            "rows",
+            found=f"{claimed:,} rows of {a_row:,} numbers",
+            expected=f"at most {_MAX_NUMBERS:,} numbers in one file",
+            mend="LeRobot begins a new file every 100 MB: it is damaged, or wants to be split",
+        )
     try:
-        return file.read_row_groups(_leading_row_groups(file, n_rows), columns=list(columns))
+        table = file.read_row_groups(_leading_row_groups(file, n_rows), columns=list(columns))
     except _UNREADABLE as error:
         raise _unreadable(path, error) from error
+    if len(table) < claimed:
+        raise DatasetError(
+            path,
+            "rows",
+            found=f"{len(table)}",
+            expected=f"{claimed}, as its footer says",
+            mend="It is damaged: copy or record it again",
+        )
+    return table
+
+
+def width(kind: pa.DataType) -> int | None:
+    """Return how many numbers a value of an Arrow type holds; None where that differs from row to row.
+
+    >>> width(pa.float32()), width(pa.list_(pa.float32(), 10)), width(pa.list_(pa.float32()))
+    (1, 10, None)
+    """
+    kind = kind.storage_type if isinstance(kind, pa.ExtensionType) else kind
+    if pa.types.is_fixed_size_list(kind):
+        inner = width(kind.value_type)
+        return None if inner is None else kind.list_size * inner
+    return None if _is_list(kind) else 1
 
 
 def integers(table: pa.Table, column: str, path: Path) -> NDArray[np.int64]:
@@ -173,11 +209,15 @@ def _check_no_gaps(array: pa.Array, path: Path, column: str) -> None:
         raise DatasetError(path, column, found=found, expected=_NUMERIC)
 
 
+def _said(error: Exception) -> str:
+    return str(error).splitlines()[0] if str(error) else type(error).__name__
+
+
 def _unreadable(path: Path, error: Exception) -> DatasetError:
     return DatasetError(
         path,
         "",
-        found=f"bytes that pyarrow cannot read ({str(error).splitlines()[0] if str(error) else type(error).__name__})",
+        found=f"bytes that pyarrow cannot read ({_said(error).replace(str(path), path.name)})",
         expected="a whole parquet file",
         mend="It was cut off or damaged: copy or record it again",
     )

@@ -63,10 +63,10 @@ def salvage(root: str | os.PathLike[str]) -> Salvage:
     """
     root = Path(root)
     schema = read_schema(root)
-    columns, findings = read_rows(root)
-    if columns is None:
-        raise _no_episode(root, "episode metadata that cannot be read" if findings else "no episode metadata")
-    rows, paths, _ = name_files(root, schema, columns)
+    columns, _, findings = read_rows(root)
+    if not len(columns["length"]):
+        raise _no_episode(root, "no episode metadata that can be read")
+    rows, paths = name_files(schema, columns)
     read = list(in_threads(lambda path: _read(root, schema, path), paths))
     kept = [_whole(rows, file, part) for file, part in enumerate(read)]
     if not any(len(whole.row) for whole in kept):

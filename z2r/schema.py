@@ -25,6 +25,7 @@ BOOKKEEPING = ("timestamp", "frame_index", "episode_index", "index", "task_index
 _NOT_NUMERIC = ("image", "video", "string", "language")
 _CONVERTER = "python -m lerobot.scripts.convert_dataset_v21_to_v30 --repo-id=REPO_ID"
 _MAX_INFO_BYTES = 64 * 2**20
+_MAX_FEATURES = 10_000
 MAX_SIGNAL_SIZE = 1024  # numbers a frame: more than that is a picture
 
 
@@ -74,7 +75,7 @@ class Schema(msgspec.Struct, frozen=True):
     codebase_version : str
         Version of the dataset format, such as ``v3.0``.
     fps : int or float
-        Frames a second, > 0.
+        Frames a second, from 1e-6 to 1e6: beyond, nothing that is recorded makes sense.
     total_episodes, total_frames : int
         What the file says; `z2r.episodes` holds it against the episode index.
     features : dict of str to Feature
@@ -84,7 +85,7 @@ class Schema(msgspec.Struct, frozen=True):
     """
 
     codebase_version: str
-    fps: Annotated[int, msgspec.Meta(gt=0)] | Annotated[float, msgspec.Meta(gt=0)]
+    fps: Annotated[int, msgspec.Meta(ge=1, le=10**6)] | Annotated[float, msgspec.Meta(ge=1e-6, le=1e6)]
     total_episodes: Annotated[int, msgspec.Meta(ge=0)]
     total_frames: Annotated[int, msgspec.Meta(ge=0)]
     features: dict[str, Feature]
@@ -146,7 +147,10 @@ def read_schema(root: Path) -> Schema:
     path = root / INFO_PATH
     raw = _read_info(root)
     _check_version(_decode(raw, _Version, path).codebase_version, path)
-    for name, feature in _decode(raw, _Features, path).features.items():
+    features = _decode(raw, _Features, path).features
+    if len(features) > _MAX_FEATURES:
+        raise DatasetError(path, "features", found=f"{len(features):,} features", expected=f"at most {_MAX_FEATURES:,}")
+    for name, feature in features.items():
         _decode(feature, Feature, path, f"features.{name}")  # one by one, so that an error says which
     schema = _decode(raw, Schema, path)
     _check_template(schema.data_path, path)
@@ -177,9 +181,11 @@ def inside(root: Path, relative: Path | str) -> Path:
             path,
             "",
             found="a path that leads out of the dataset",
-            expected=f"a file inside {root}",
+            expected="a file inside the dataset",
             mend="If you trust the link, copy the dataset with its links followed: cp -rL",
         )
+    if real.exists() and not real.is_file() and not real.is_dir():
+        raise DatasetError(path, "", found="a pipe or a device, which may never end", expected="a file")
     return path
 
 

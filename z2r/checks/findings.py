@@ -5,7 +5,7 @@ from typing import Literal
 
 import msgspec
 
-from z2r.errors import DatasetError, printable
+from z2r.errors import DatasetError, printable, short
 
 type Severity = Literal["error", "warning", "note"]
 
@@ -31,6 +31,7 @@ CHECKS: dict[str, str] = {
     "range-overlap": "no frame belongs to two episodes",
     "range-gap": "every frame belongs to an episode",
     "file-pointer": "every episode is in the data file that the index names",
+    "file-rows": "every data file has as many rows as its episodes have frames",
     "index-column": "`index` counts all frames without a break",
     "frame-column": "`frame_index` starts at 0 in every episode and counts on",
     "episode-column": "`episode_index` changes where the index says that an episode ends",
@@ -95,20 +96,27 @@ class Finding(msgspec.Struct, frozen=True):
 
 def error(check: str, file: Path | str, field: str, found: object, expected: object, mend: str = "") -> Finding:
     """Return a finding that is an error; `file` is relative to the dataset."""
-    return Finding(check, "error", Path(file).as_posix(), field, str(found), str(expected), mend)
+    return _finding(check, "error", file, field, found, expected, mend)
 
 
 def warning(check: str, file: Path | str, field: str, found: object, expected: object, mend: str = "") -> Finding:
     """Return a finding that is a warning; `file` is relative to the dataset."""
-    return Finding(check, "warning", Path(file).as_posix(), field, str(found), str(expected), mend)
+    return _finding(check, "warning", file, field, found, expected, mend)
 
 
 def note(check: str, file: Path | str, field: str, found: object, expected: object, mend: str = "") -> Finding:
     """Return a finding that is a note; `file` is relative to the dataset."""
-    return Finding(check, "note", Path(file).as_posix(), field, str(found), str(expected), mend)
+    return _finding(check, "note", file, field, found, expected, mend)
 
 
-def from_fault(check: str, fault: DatasetError, root: Path, severity: Severity = "error") -> Finding:
-    """Turn what the reader raised into a finding."""
+def from_fault(check: str, fault: DatasetError, root: Path) -> Finding:
+    """Turn what the reader raised into a finding that is an error."""
     path = fault.path.relative_to(root) if fault.path.is_relative_to(root) else fault.path
-    return Finding(check, severity, path.as_posix(), fault.field, fault.found, fault.expected, fault.mend)
+    return _finding(check, "error", path, fault.field, fault.found, fault.expected, fault.mend)
+
+
+def _finding(
+    check: str, severity: Severity, file: Path | str, field: str, found: object, expected: object, mend: str
+) -> Finding:
+    place = Path(file).as_posix()
+    return Finding(check, severity, short(place), short(field), short(found), short(expected), mend)

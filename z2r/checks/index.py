@@ -129,7 +129,7 @@ def check_file_length(rows: Rows, file: int, n_rows: int, path: Path) -> Iterato
     claimed = int(rows.length[rows.file == file].sum())
     if claimed != n_rows:
         cut_off = "If it was cut off, `z2r inspect --salvage` reads the whole episodes"
-        yield error("file-pointer", path, "rows", n_rows, f"{claimed}, the frames of its episodes", cut_off)
+        yield error("file-rows", path, "rows", n_rows, f"{claimed}, the frames of its episodes", cut_off)
 
 
 def check_counting(index: Ints, base: int, path: Path) -> Iterator[Finding]:
@@ -141,8 +141,13 @@ def check_counting(index: Ints, base: int, path: Path) -> Iterator[Finding]:
         yield error("index-column", path, f"index in row {row}", f"{index[row]}{and_more(wrong)}", expected[row])
 
 
-def check_frame_index(frame_index: Ints, number: Ints | None, path: Path) -> Iterator[Finding]:
-    """Does `frame_index` start at 0 and count on, and start again where `episode_index` changes?"""
+def check_frame_index(
+    frame_index: Ints, number: Ints | None, begins: NDArray[np.bool_] | None, path: Path
+) -> Iterator[Finding]:
+    """Does `frame_index` start at 0 and count on, and start again where `episode_index` changes?
+
+    Where the two disagree, `begins` has the casting vote: whether an episode begins in a row by the metadata.
+    """
     starts = frame_index == 0
     wrong = ~starts
     wrong[1:] &= np.diff(frame_index) != 1
@@ -156,13 +161,13 @@ def check_frame_index(frame_index: Ints, number: Ints | None, path: Path) -> Ite
     differs = (changes != starts) & ~wrong
     if differs.any():
         row = int(differs.argmax())
-        yield error(
-            "episode-column",
-            path,
-            f"episode_index in row {row}",
-            ("a new episode" if changes[row] else f"episode {number[row]} still") + and_more(differs),
-            f"a new episode where frame_index is 0, and it is {frame_index[row]} here",
-        )
+        if begins is not None and begins[row] == changes[row]:
+            found, expected = f"{frame_index[row]}{and_more(differs)}", "0 where an episode begins, and only there"
+            yield error("frame-column", path, f"frame_index in row {row}", found, expected)
+            return
+        found = ("a new episode" if changes[row] else f"episode {number[row]} still") + and_more(differs)
+        expected = f"a new episode where frame_index is 0, and it is {frame_index[row]} here"
+        yield error("episode-column", path, f"episode_index in row {row}", found, expected)
 
 
 def check_timestamps(timestamp: NDArray[np.float64], frame_index: Ints, fps: float, path: Path) -> Iterator[Finding]:

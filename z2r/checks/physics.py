@@ -11,7 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from z2r.angles import wrap_angle
+from z2r.checks import motion
 from z2r.checks.findings import Finding, error, warning
+from z2r.checks.motion import STILL
 from z2r.checks.structure import Ints
 from z2r.dataset import Frames
 from z2r.episodes import EpisodeIndex
@@ -23,14 +25,9 @@ from z2r.schema import ACTION, Schema
 from z2r.success import FrameErrors, in_tolerance
 from z2r.verdict import Recording
 
-SHIFTS = (0, -1, 1, -2, 2)  # frames by which an action may be late or early; 0 first, so that it wins a tie
-
 _LEAP = 0.08  # m in one frame, beyond what the action asks for
 _SMOOTH = 0.02  # m: as close as the action predicts the next frame where nothing was cut
-_MIN_STEPS = 50  # from fewer nothing can be said about a correlation
-_CLEARLY = 0.1  # better, of two correlations
-_EXPLAINS = 0.5  # correlation of an action with what it does: 0.99 on the shipped data
-_SCALES = (0.5, 2.0)  # of the speed that is asked for, what is reached: 0.92 to 0.96 on the shipped data
+_STUCK = 5  # frames in a row
 _FEW = 3  # episodes
 
 type Floats = NDArray[np.float64]
@@ -52,7 +49,8 @@ class Sums(NamedTuple):
     leaps: Worst
     seams: Worst
     half_turns: Worst
-    motion: Floats  # (n_shifts, 2 axes, 6 sums): n, a, v, aa, vv, av
+    motion: Floats  # of each of these episodes, as `motion.sum_up` gives it
+    stuck: Worst
     episode: Ints  # numbers of the episodes that this file holds a part of
     in_tolerance: NDArray[np.bool_]  # in one of its frames
     first: Floats  # offset from the target in its first frame here: x [m], y [m], turn [rad]
@@ -80,7 +78,8 @@ def fold(frames: Frames, base: int, episodes: EpisodeIndex, reading: Reading, sc
         leaps=_worst(leaps, (leaps > _LEAP) & inside, base + 1),
         seams=_worst(smooth, (smooth < _SMOOTH) & begins & ~inside, base + 1),
         half_turns=_worst(errors.ang_err, errors.ang_err > np.pi + 1e-6, base),
-        motion=_motion(steps * schema.fps, action, inside, reading.action_lag),
+        motion=motion.sum_up(steps * schema.fps, action, inside, starts, reading.action_lag),
+        stuck=_stuck(steps, action, inside, base + 1),
         episode=here if episodes.numbers is None else episodes.numbers[here],
         in_tolerance=reduce_parts(np.logical_or, fine, starts, stops),
         first=offset[starts],
@@ -93,7 +92,8 @@ def judge(sums: Sequence[Sums], files: Sequence[Path], reading: Reading) -> Iter
     yield from _judge_overlap(sums, files)
     yield from _judge_limit(sums, files)
     yield from _judge_leaps(sums, files)
-    yield from _judge_motion(np.sum([each.motion for each in sums], axis=0))
+    yield from motion.judge(_all_parts(sums), np.concatenate([each.motion for each in sums]))
+    yield from _judge_stuck(sums, files)
     yield from _judge_half_turns(sums, files)
     yield from _judge_ends(sums, reading)
 
@@ -183,38 +183,14 @@ def _judge_leaps(sums: Sequence[Sums], files: Sequence[Path]) -> Iterator[Findin
         )
 
 
-def _judge_motion(motion: Floats) -> Iterator[Finding]:
-    if motion[0, :, 0].min() < _MIN_STEPS:
-        return
-    with np.errstate(invalid="ignore", divide="ignore"):
-        n, a, v, aa, vv, av = np.moveaxis(motion, 2, 0)
-        correlation = (n * av - a * v) / np.sqrt((n * aa - a**2) * (n * vv - v**2))
-        scale = av / aa
-    if not np.isfinite(correlation).all():
-        return  # nothing moves, or nobody asks it to
-    strength = np.abs(correlation).mean(axis=1)
-    best = int(strength.argmax())
-    name = "action against the motion of the pusher"
-    if strength[best] < _EXPLAINS:
-        found = f"a correlation of {correlation[0].mean():.2f}"
-        expected = "the action to move the pusher"
-        mend = "Are the columns of the action, or of the pusher, in another order?"
-        yield warning("action-motion", "data", name, found, expected, mend)
-    elif strength[best] > strength[0] + _CLEARLY:
-        shift = SHIFTS[best]
-        late = "after" if shift < 0 else "before"
-        found = f"the best match {abs(shift)} frame{'s' * (abs(shift) > 1)} {late} the action is stored"
-        expected = f"it at once (correlation {strength[best]:.2f} there, {strength[0]:.2f} at once)"
-        mend = "Actions and observations are shifted against each other"
-        yield warning("action-motion", "data", name, found, expected, mend)
-    elif (correlation[best] < 0).any():
-        axes = " and ".join(axis for axis, value in zip("xy", correlation[best], strict=True) if value < 0)
-        found = f"motion against the action along {axes}"
-        yield error("action-motion", "data", name, found, "motion the same way", "A sign is wrong")
-    elif not (_SCALES[0] <= scale[best].min() and scale[best].max() <= _SCALES[1]):
-        found = f"{scale[best].mean():.3g} times the speed that is asked for"
-        mend = "Is it the fps, or a unit (m and mm, m/s and m per frame)?"
-        yield error("action-motion", "data", name, found, "about 1 time", mend)
+def _judge_stuck(sums: Sequence[Sums], files: Sequence[Path]) -> Iterator[Finding]:
+    worst, file = _overall([each.stuck for each in sums], files)
+    if worst.times:
+        found = f"the pusher at the very same place for {worst.value + 1:.0f} frames"
+        expected = "motion, for the action asks for it"
+        yield warning(
+            "frozen", file, f"up to frame {worst.frame}", found, expected, "The sensor, or the recording, hung"
+        )
 
 
 def _judge_half_turns(sums: Sequence[Sums], files: Sequence[Path]) -> Iterator[Finding]:
@@ -287,19 +263,12 @@ def _leaps(steps: Floats, action: Floats, block_steps: Floats, seconds: float) -
     return beyond, np.maximum(np.hypot(*(steps - asked).T), block_steps)
 
 
-def _motion(velocity: Floats, action: Floats, inside: NDArray[np.bool_], lag: int) -> Floats:
-    """Sums from which the correlation of action and velocity follows, for each shift and axis."""
-    segment = np.cumsum(np.concatenate([[True], ~inside]))  # the same number where frames hang together
-    sums = np.zeros((len(SHIFTS), 2, 6))
-    for place, shift in enumerate(SHIFTS):
-        first, end = max(0, -shift - lag), min(len(velocity), len(action) - shift - lag)
-        if first >= end:
-            continue
-        a, v = action[first + shift + lag : end + shift + lag], velocity[first:end]
-        same_episode = segment[first + shift + lag : end + shift + lag] == segment[first:end]
-        valid = (inside[first:end] & same_episode).astype(np.float64)
-        sums[place] = np.stack([np.full(2, valid.sum()), *(valid @ x for x in (a, v, a * a, v * v, a * v))], axis=1)
-    return sums
+def _stuck(steps: Floats, action: Floats, inside: NDArray[np.bool_], first_frame: int) -> Worst:
+    """Find where the pusher does not move at all, frame after frame, although it is asked to."""
+    still = inside & (steps == 0).all(axis=1) & (np.hypot(*action[:-1].T) > STILL)
+    rows = np.arange(1, len(still) + 1)
+    in_a_row = rows - np.maximum.accumulate(np.where(still, 0, rows))
+    return _worst(in_a_row.astype(np.float64), in_a_row >= _STUCK, first_frame)
 
 
 def _worst(values: Floats, wrong: NDArray[np.bool_], first_frame: int) -> Worst:

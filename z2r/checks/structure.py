@@ -1,19 +1,21 @@
 """Is the dataset whole? The files that must be there, and the totals that `meta/info.json` states."""
 
 import re
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import msgspec
 import numpy as np
+import pyarrow as pa
 from numpy.typing import NDArray
 
 from z2r.checks.findings import Finding, error, from_fault, warning
 from z2r.episodes import COLUMNS, EPISODES_DIR, file_numbers, read_shard, shard_paths
 from z2r.errors import DatasetError
 from z2r.parquet import integers, open_parquet, read_columns
-from z2r.schema import INFO_PATH, Schema, data_file_path, inside
+from z2r.schema import BOOKKEEPING, INFO_PATH, Schema, inside
 
 TASKS_PATH = Path("meta/tasks.parquet")
 STATS_PATH = Path("meta/stats.json")
@@ -55,39 +57,33 @@ def read_totals(root: Path) -> tuple[Totals, list[Finding]]:
         return Totals(), [error("info", INFO_PATH, where.rstrip("`"), "another type", expected)]
 
 
-def read_rows(root: Path) -> tuple[dict[str, Ints] | None, list[Finding]]:
-    """Read the shards of the episode metadata that can be read; None where there is none."""
+def read_rows(root: Path) -> tuple[dict[str, Ints], list[Path], list[Finding]]:
+    """Read the shards of the episode metadata that can be read, and say which these are; the columns may be empty."""
+    nothing = {name: np.array([], dtype=np.int64) for name in COLUMNS}
     try:
         paths = shard_paths(root)
     except DatasetError as fault:
-        return None, [from_fault("episodes-file", fault, root)]
-    shards, findings = [], list(_skipped_numbers(root, paths))
+        return nothing, [], [from_fault("episodes-file", fault, root)]
+    shards, readable, findings = [nothing], [], list(_skipped_numbers(root, paths))
     for path in paths:
         try:
+            parquet = open_parquet(path)
+            read_columns(parquet, path, parquet.schema_arrow.names)  # LeRobot reads them all
             shards.append(read_shard(path))
+            readable.append(path)
         except DatasetError as fault:
             findings.append(from_fault("episodes-file", fault, root))
-    if not shards or not any(len(shard["length"]) for shard in shards):
-        if not findings:
-            findings.append(error("episodes-file", EPISODES_DIR, "", "no episodes", "at least one"))
-        return None, findings
-    return {name: np.concatenate([shard[name] for shard in shards]) for name in COLUMNS}, findings
+    columns = {name: np.concatenate([shard[name] for shard in shards]) for name in COLUMNS}
+    if not len(columns["length"]) and not findings:
+        findings.append(error("episodes-file", EPISODES_DIR, "", "no episodes", "at least one"))
+    return columns, readable, findings
 
 
-def name_files(root: Path, schema: Schema, columns: dict[str, Ints]) -> tuple[Rows, list[Path], list[Finding]]:
-    """List the data files that the index names, in the order of their numbers, relative to the dataset.
-
-    A file that leads out of the dataset is a finding, and no file.
-    """
+def name_files(schema: Schema, columns: dict[str, Ints]) -> tuple[Rows, list[Path]]:
+    """List the data files that the index names, in the order of their numbers, relative to the dataset."""
     pointers = np.stack([columns["data/chunk_index"], columns["data/file_index"]], axis=1)
     named, file = np.unique(pointers, axis=0, return_inverse=True)
-    paths, findings = [], []
-    for chunk_index, file_index in named.tolist():
-        try:
-            paths.append(data_file_path(root, schema, chunk_index, file_index).relative_to(root))
-        except DatasetError as fault:
-            findings.append(from_fault("data-file", fault, root))
-            paths.append(Path())  # nothing is read, and the places of the other files stay
+    paths = [Path(schema.data_path.format(chunk_index=chunk, file_index=file)) for chunk, file in named.tolist()]
     rows = Rows(
         number=columns["episode_index"],
         start=columns["dataset_from_index"],
@@ -95,12 +91,34 @@ def name_files(root: Path, schema: Schema, columns: dict[str, Ints]) -> tuple[Ro
         length=columns["length"],
         file=file.ravel(),
     )
-    return rows, paths, findings
+    return rows, paths
+
+
+def check_features(schema: Schema) -> Iterator[Finding]:
+    """Is every feature of a type that exists, with a name for each dimension or none?"""
+    for name, feature in schema.features.items():
+        if not feature.is_numeric:
+            continue
+        try:
+            np.dtype(feature.dtype)
+        except TypeError:
+            yield error("info", INFO_PATH, f"features.{name}.dtype", feature.dtype, "a dtype that numpy knows")
+        names = feature.names
+        if isinstance(names, dict) and len(names) == 1:
+            (names,) = names.values()
+        if not isinstance(names, list) or name in BOOKKEEPING:
+            continue
+        place = f"features.{name}.names"
+        if len(names) != feature.size and not any(isinstance(each, list) for each in names):
+            yield warning("info", INFO_PATH, place, f"{len(names)} names", f"{feature.size}, one for each dimension")
+        repeated = [each for each, times in Counter(map(str, names)).items() if times > 1]
+        if repeated:
+            yield warning("info", INFO_PATH, place, f"{repeated[0]} twice", "another name for each dimension")
 
 
 def check_order(files: Sequence[Path]) -> Iterator[Finding]:
     """Do names sort like numbers?"""
-    names = [file.as_posix() for file in files if file != Path()]
+    names = [file.as_posix() for file in files]
     for number, (name, sorted_name) in enumerate(zip(names, sorted(names), strict=True)):
         if name != sorted_name:
             yield warning(
@@ -146,7 +164,7 @@ def check_totals(root: Path, schema: Schema, totals: Totals, rows: Rows, n_tasks
 def check_splits(totals: Totals, n_episodes: int) -> Iterator[Finding]:
     """Is every split a range of episodes that exist?"""
     for name, split in (totals.splits or {}).items():
-        ends = re.fullmatch(r"(\d+):(\d+)", split)
+        ends = re.fullmatch(r"(\d{1,18}):(\d{1,18})", split, re.ASCII)
         if not ends or not int(ends[1]) <= int(ends[2]) <= n_episodes:
             expected = f"a range of episodes within 0:{n_episodes}"
             yield error("splits", INFO_PATH, f"splits.{name}", repr(split[:60]), expected)
@@ -156,7 +174,10 @@ def read_tasks(root: Path) -> tuple[Ints | None, list[Finding]]:
     """Read the numbers of the tasks; None where they cannot be read."""
     try:
         path = inside(root, TASKS_PATH)
-        tasks = integers(read_columns(open_parquet(path), path, ["task_index"]), "task_index", path)
+        parquet = open_parquet(path)
+        tasks = integers(read_columns(parquet, path, ["task_index"]), "task_index", path)
+        if not any(pa.types.is_string(kind) or pa.types.is_large_string(kind) for kind in parquet.schema_arrow.types):
+            raise DatasetError(path, "task", found="no such column", expected="the text of each task")
     except DatasetError as fault:
         return None, [from_fault("tasks-file", fault, root)]
     if not np.array_equal(np.sort(tasks), np.arange(len(tasks))) or not len(tasks):

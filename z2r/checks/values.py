@@ -1,18 +1,17 @@
 """Are the values what a sensor gives? Summed up for each run of frames, so that no file stays in memory."""
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from z2r.checks.findings import Finding, error, warning
+from z2r.checks.findings import Finding, error, from_fault, warning
 from z2r.checks.index import and_more
 from z2r.checks.structure import STATS_PATH, Ints
 from z2r.dataset import Frames
-from z2r.episodes import shard_paths
 from z2r.errors import DatasetError
 from z2r.parquet import integers, open_parquet, read_columns, vectors
 from z2r.schema import ACTION, STATE, Feature, Schema
@@ -85,26 +84,28 @@ def check_unit_circle(frames: Frames, schema: Schema, path: Path) -> Iterator[Fi
                 yield error("unit-circle", path, f"{name}: {pair} in row {row}", found, "1: a sine and its cosine")
 
 
-def check_stats(stored: Mapping[str, Mapping[str, Any]], runs: Mapping[str, RunStats]) -> Iterator[Finding]:
+def check_stats(
+    stored: Mapping[str, Mapping[str, Any]], runs: Mapping[str, RunStats], schema: Schema
+) -> Iterator[Finding]:
     """Are the stored statistics those of the data?"""
     for name, stats in runs.items():
         if stored and name not in stored:
             yield warning("stats", STATS_PATH, name, "no statistics", "some for each numeric feature")
-        for what, told, computed in _differences(stored.get(name, {}), _pooled(stats)):
+        for what, told, computed in _differences(stored.get(name, {}), _pooled(stats), schema.features[name]):
             mend = "A policy scales its input with them: recompute the statistics"
             yield warning("stats", STATS_PATH, f"{name}.{what}", told, f"{computed}, recomputed", mend)
 
 
 def check_episode_stats(
-    root: Path, schema: Schema, runs: Mapping[str, RunStats], run_of_episode: Mapping[int, int]
+    root: Path, shards: Sequence[Path], schema: Schema, runs: Mapping[str, RunStats], run_of_episode: Mapping[int, int]
 ) -> Iterator[Finding]:
     """Are the statistics of each episode, which are stored with the metadata, those of its frames?"""
-    for path in shard_paths(root):
+    for path in shards:
         for name, stats in runs.items():
             try:
                 yield from _check_shard_stats(path, root, name, schema.features[name], stats, run_of_episode)
-            except DatasetError:
-                return  # another check names what is wrong with the shard
+            except DatasetError as fault:
+                yield from_fault("stats", fault, root)
 
 
 def _check_shard_stats(
@@ -153,7 +154,8 @@ def check_frozen(name: str, feature: Feature, stats: RunStats, numbers: Ints) ->
     moves = span > 0
     # What goes from one end of its span to the other in one step is a switch, and may well not be used.
     is_switch = (~moves | (stats.step > _MOST * span))[long].mean(axis=0) > 0.5
-    wrong = ~moves & long[:, None] & (moves[long].mean(axis=0) >= _MOST) & ~is_switch
+    still = ~moves & long[:, None]
+    wrong = still & (still.sum(axis=0) <= max(1, (1 - _MOST) * long.sum())) & ~is_switch
     for column in np.flatnonzero(wrong.any(axis=0)).tolist():
         run = int(wrong[:, column].argmax())
         found = f"{stats.low[run, column]:.4g} in all {stats.n[run]:.0f} frames{and_more(wrong[:, column])}"
@@ -198,7 +200,7 @@ def _statistics(stats: RunStats) -> Iterator[tuple[str, Floats, Floats]]:
     yield "std", std, close + 1e-3 * std + np.sqrt(np.square(std) + _ROUGH * np.square(size)) - std
 
 
-def _differences(stored: Mapping[str, Any], stats: RunStats) -> Iterator[tuple[str, str, str]]:
+def _differences(stored: Mapping[str, Any], stats: RunStats, feature: Feature) -> Iterator[tuple[str, str, str]]:
     """Yield the statistics that differ: which one, what is stored, what is right."""
     for kind, computed, tolerance in _statistics(stats):
         if kind not in stored:
@@ -214,7 +216,8 @@ def _differences(stored: Mapping[str, Any], stats: RunStats) -> Iterator[tuple[s
         wrong = ~(np.abs(told - computed[0]) <= tolerance[0])
         if wrong.any():
             column = int(wrong.argmax())
-            yield f"{kind}[{column}]", f"{told[column]:.6g}{and_more(wrong)}", f"{computed[0, column]:.6g}"
+            place = kind if kind == "count" else f"{kind}{_dim(feature, column)}"
+            yield place, f"{told[column]:.6g}{and_more(wrong)}", f"{computed[0, column]:.6g}"
 
 
 def _dim(feature: Feature, column: int) -> str:
