@@ -16,15 +16,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from z2r.breaks import BreakMode
-from z2r.checks import frames, index, physics, structure, values
+from z2r.checks import frames, index, physics, values
 from z2r.checks.findings import CHECKS, Finding, from_fault, warning
-from z2r.checks.structure import Ints, Rows
-from z2r.dataset import Dataset, Frames, in_threads, load
+from z2r.checks.story import Story, believe, read_story
+from z2r.checks.structure import Ints
+from z2r.dataset import Frames, in_threads
 from z2r.episodes import EpisodeIndex
 from z2r.errors import DatasetError
 from z2r.parquet import open_parquet
 from z2r.reading import PUSHT, Reading
-from z2r.schema import ACTION, BOOKKEEPING, MAX_SIGNAL_SIZE, Schema, inside, read_schema
+from z2r.schema import ACTION, BOOKKEEPING, MAX_SIGNAL_SIZE, Schema, inside
 from z2r.verdict import read_verdict, verdict_path
 
 MAX_OF_A_CHECK = 5  # findings in detail: a fault that is in every file would hide the others
@@ -127,36 +128,19 @@ def audit(
     if mode:
         reading = mode.reading(reading)
     try:
-        believed = _believe(root, mode) if mode else _read_story(root)
+        story = believe(root, mode) if mode else read_story(root)
     except DatasetError as fault:
         if mode:
             raise
         check = "version" if fault.field == "codebase_version" else "info"
         return _ended([from_fault(check, fault, root)])
-    if not len(believed.rows.number):
-        return _ended(believed.findings)
-    bases = _first_frames(root, believed)
-    parts = _fold_files(root, believed, bases, reading, progress)
-    findings = [*believed.findings, *_judge(root, believed, parts, bases, reading)]
+    if not len(story.rows.number):
+        return _ended(story.findings)
+    bases = _first_frames(root, story)
+    parts = _fold_files(root, story, bases, reading, progress)
+    findings = [*story.findings, *_judge(root, story, parts, bases, reading)]
     n_frames = sum(part.n_rows or 0 for part in parts)
-    return _audit(findings, _not_checked(believed, parts, reading), len(believed.rows.number), n_frames, readable=True)
-
-
-class _Story(NamedTuple):
-    """What is believed of a dataset before its frames are read."""
-
-    schema: Schema
-    rows: Rows
-    files: Sequence[Path]  # relative to the root, in the order of their frames
-    shards: Sequence[Path]  # of the episode metadata: those that can be read
-    tasks: Ints | None
-    stats: dict[str, dict[str, Any]]
-    findings: list[Finding]
-    trusted: bool  # whether the metadata is taken at its word
-
-    @property
-    def episodes(self) -> EpisodeIndex:
-        return EpisodeIndex(self.rows.start, self.rows.stop, self.rows.number)
+    return _audit(findings, _not_checked(story, parts, reading), len(story.rows.number), n_frames, readable=True)
 
 
 class _Part(NamedTuple):
@@ -170,47 +154,8 @@ class _Part(NamedTuple):
     sums: physics.Sums | None
 
 
-def _read_story(root: Path) -> _Story:
-    schema = read_schema(root)
-    totals, findings = structure.read_totals(root)
-    findings += structure.check_features(schema)
-    columns, shards, faults = structure.read_rows(root)
-    tasks, task_faults = structure.read_tasks(root)
-    stats, stats_faults = structure.read_stats(root)
-    findings += faults + task_faults + stats_faults
-    rows, files = structure.name_files(schema, columns)
-    if not len(rows.number):
-        return _Story(schema, rows, files, shards, tasks, stats, findings, trusted=False)
-    findings += structure.check_order(files)
-    findings += structure.check_orphans(root, files)
-    findings += structure.check_totals(root, schema, totals, rows, None if tasks is None else len(tasks))
-    findings += structure.check_splits(totals, len(rows.number))
-    findings += structure.check_videos(root, schema, totals)
-    faults = list(index.check_rows(rows))
-    return _Story(schema, rows, files, shards, tasks, stats, findings + faults, trusted=not faults)
-
-
-def _believe(root: Path, mode: BreakMode) -> _Story:
-    right = load(root)
-    told = _read_story(root)
-    believed = mode.dataset(right)
-    rows, files = _rows_of(believed)
-    findings = list(structure.check_totals(root, believed.schema, structure.Totals(), rows, None))
-    findings += index.check_rows(rows)
-    findings += told.findings
-    return told._replace(schema=believed.schema, rows=rows, files=files, findings=findings, trusted=True)
-
-
-def _rows_of(dataset: Dataset) -> tuple[Rows, list[Path]]:
-    episodes = dataset.episodes
-    numbers = np.arange(len(episodes)) if episodes.numbers is None else episodes.numbers
-    file = np.searchsorted([file.to_index for file in dataset.files], episodes.from_index, side="right")
-    rows = Rows(numbers, episodes.from_index, episodes.to_index, episodes.lengths, file)
-    return rows, [file.path.relative_to(dataset.root) for file in dataset.files]
-
-
 def _fold_files(
-    root: Path, story: _Story, bases: Sequence[int], reading: Reading, progress: Callable[[int, int], None]
+    root: Path, story: Story, bases: Sequence[int], reading: Reading, progress: Callable[[int, int], None]
 ) -> list[_Part]:
     parts = []
     for part in in_threads(lambda file: _fold(root, story, file, bases[file], reading), range(len(story.files))):
@@ -219,7 +164,7 @@ def _fold_files(
     return parts
 
 
-def _first_frames(root: Path, story: _Story) -> list[int]:
+def _first_frames(root: Path, story: Story) -> list[int]:
     """Say which frame of the dataset each file begins with; one that cannot be opened has as many as its episodes."""
     bases = [0]
     for file, path in enumerate(story.files):
@@ -231,7 +176,7 @@ def _first_frames(root: Path, story: _Story) -> list[int]:
     return bases
 
 
-def _fold(root: Path, story: _Story, file: int, base: int, reading: Reading) -> _Part:
+def _fold(root: Path, story: Story, file: int, base: int, reading: Reading) -> _Part:
     path, schema = story.files[file], story.schema
     read = frames.read_file(root, schema, path)
     findings = read.findings
@@ -256,7 +201,7 @@ def _fold(root: Path, story: _Story, file: int, base: int, reading: Reading) -> 
     return _Part(read.n_rows, findings, starts, numbers, runs, sums)
 
 
-def _check_columns(told: Frames, story: _Story, base: int, path: Path) -> Iterator[Finding]:
+def _check_columns(told: Frames, story: Story, base: int, path: Path) -> Iterator[Finding]:
     whole = {name: column.astype(np.int64) for name, column in told.items() if name != "timestamp"}
     if "index" in whole:
         yield from index.check_counting(whole["index"], base, path)
@@ -276,7 +221,7 @@ def _of_runs(starts: Ints, numbers: Ints | None, base: int, n_rows: int) -> Epis
 
 
 def _judge(
-    root: Path, story: _Story, parts: Sequence[_Part], bases: Sequence[int], reading: Reading
+    root: Path, story: Story, parts: Sequence[_Part], bases: Sequence[int], reading: Reading
 ) -> Iterator[Finding]:
     yield from chain.from_iterable(part.findings for part in parts)
     readable = [part for part in parts if part.n_rows]
@@ -289,7 +234,7 @@ def _judge(
         yield from _judge_verdict(root, story, physics.reached(sums, reading))
 
 
-def _judge_runs(root: Path, story: _Story, parts: Sequence[_Part], bases: Sequence[int]) -> Iterator[Finding]:
+def _judge_runs(root: Path, story: Story, parts: Sequence[_Part], bases: Sequence[int]) -> Iterator[Finding]:
     """Hold the runs of frames against the metadata, and the values of each run against those of the others."""
     tables = [
         index.Runs(
@@ -317,7 +262,7 @@ def _judge_runs(root: Path, story: _Story, parts: Sequence[_Part], bases: Sequen
     yield from values.check_episode_stats(root, story.shards, story.schema, stats, run_of_episode)
 
 
-def _judge_verdict(root: Path, story: _Story, reached: NDArray[np.bool_]) -> Iterator[Finding]:
+def _judge_verdict(root: Path, story: Story, reached: NDArray[np.bool_]) -> Iterator[Finding]:
     name = verdict_path(root).name
     try:
         verdict = read_verdict(root)
@@ -333,7 +278,7 @@ def _fits(reading: Reading, schema: Schema) -> bool:
     return not reading.missing(schema) and action is not None and set(reading.velocity) <= set(action.dim_names)
 
 
-def _not_checked(story: _Story, parts: Sequence[_Part], reading: Reading) -> tuple[str, ...]:
+def _not_checked(story: Story, parts: Sequence[_Part], reading: Reading) -> tuple[str, ...]:
     """Say what nobody looked at."""
     schema = story.schema
     missing = []
@@ -352,6 +297,7 @@ def _not_checked(story: _Story, parts: Sequence[_Part], reading: Reading) -> tup
     unsummed = [name for name, f in schema.features.items() if f.is_numeric and f.size > MAX_SIGNAL_SIZE]
     if unsummed:
         missing.append(f"the values of {', '.join(unsummed[:_SOME])}: more than {MAX_SIGNAL_SIZE} numbers a frame")
+    missing.append("stored quantiles (q01, q10 ...): LeRobot estimates them, so they need not be those of the data")
     missing.append("whether the text of a task is true, and whether the demonstrations are any good")
     return tuple(missing)
 

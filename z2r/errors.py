@@ -27,7 +27,7 @@ class DatasetError(Exception):
 
     def __init__(self, path: Path, field: str, *, found: str, expected: str, mend: str = "") -> None:
         self.path, self.field, self.found, self.expected, self.mend = path, field, found, expected, mend
-        where = f"{path}: {short(field)}" if field else f"{path}"
+        where = f"{short(path, 4 * _MAX_LENGTH)}: {short(field)}" if field else short(path, 4 * _MAX_LENGTH)
         advice = f". {mend}" if mend else ""
         # Names in a dataset are data: a line break or a control character in one must not break the line.
         super().__init__(printable(f"{where}: found {short(found)}, expected {short(expected)}{advice}"))
@@ -37,14 +37,14 @@ class MissingExtraError(ImportError):
     """Recording needs packages that reading does not."""
 
 
-def short(text: object) -> str:
+def short(text: object, length: int = _MAX_LENGTH) -> str:
     """Return a text as it is, or its beginning: a dataset may give a name, or a number, of any length.
 
     >>> len(short("1" * 10**6))
     203
     """
     said = str(text)
-    return said if len(said) <= _MAX_LENGTH else f"{said[:_MAX_LENGTH]}..."
+    return said if len(said) <= length else f"{said[:length]}..."
 
 
 def printable(text: str) -> str:

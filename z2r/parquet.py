@@ -110,6 +110,14 @@ def width(kind: pa.DataType) -> int | None:
     return None if _is_list(kind) else 1
 
 
+def has_gaps(table: pa.Table, column: str) -> bool:
+    """Tell whether a value, or a number in one, is missing in a column of numbers or of (nested) lists of numbers."""
+    array = _one_array(table, column)
+    while not array.null_count and _is_list(array.type):
+        array = array.flatten()
+    return bool(array.null_count)
+
+
 def integers(table: pa.Table, column: str, path: Path) -> NDArray[np.int64]:
     """Return one integer column as a read-only array, int64[n_rows].
 

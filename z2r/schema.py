@@ -171,8 +171,11 @@ def inside(root: Path, relative: Path | str) -> Path:
     path = root / relative
     try:
         real, real_root = path.resolve(), root.resolve()
+        is_device = real.exists() and not real.is_file() and not real.is_dir()
     except RuntimeError:  # Python up to 3.12 says so of a link that leads to itself
         raise DatasetError(path, "", found="a link that leads to itself", expected="a file") from None
+    except (OSError, ValueError) as error:
+        raise DatasetError(path, "", found=f"a path that cannot be ({error.args[-1]})", expected="a file") from None
     allowed = [real_root]
     if real_root.parent.name == "snapshots":
         allowed.append(real_root.parents[1] / "blobs")
@@ -184,7 +187,7 @@ def inside(root: Path, relative: Path | str) -> Path:
             expected="a file inside the dataset",
             mend="If you trust the link, copy the dataset with its links followed: cp -rL",
         )
-    if real.exists() and not real.is_file() and not real.is_dir():
+    if is_device:
         raise DatasetError(path, "", found="a pipe or a device, which may never end", expected="a file")
     return path
 

@@ -12,7 +12,7 @@ from z2r.checks.findings import Finding, error, from_fault, note, warning
 from z2r.checks.index import and_more
 from z2r.dataset import Frames
 from z2r.errors import DatasetError
-from z2r.parquet import open_parquet, read_columns, vectors, width
+from z2r.parquet import has_gaps, open_parquet, read_columns, vectors, width
 from z2r.schema import BOOKKEEPING, MAX_SIGNAL_SIZE, Schema, inside
 
 
@@ -51,11 +51,11 @@ def _read_column(
     try:
         values = vectors(table, name, feature.shape, path)
     except DatasetError as fault:
-        return None, [from_fault("finite" if _has_gaps(table, name) else "column-type", fault, root)]
+        return None, [from_fault("finite" if has_gaps(table, name) else "column-type", fault, root)]
     kinds = "iu" if name in BOOKKEEPING and name != "timestamp" else "biuf"
     if values.dtype.kind not in kinds:
         return None, [error("column-type", inner, name, f"values of type {values.dtype}", "whole numbers")]
-    findings = list(_check_dtype(feature.dtype, values, table, name, inner))
+    findings = list(_check_dtype(feature.dtype, values, name, inner))
     finite = np.isfinite(values)
     if finite.all():
         return values, findings
@@ -86,25 +86,9 @@ def _check_wide(schema: Schema, stored: pa.Schema, path: Path) -> Iterator[Findi
                 yield error("column-type", path, name, f"{found:,} numbers in each row", expected)
 
 
-def _check_dtype(dtype: str, values: NDArray[np.generic], table: pa.Table, name: str, path: Path) -> Iterator[Finding]:
-    stored = "bool" if pa.types.is_boolean(_innermost(table.schema.field(name).type)) else values.dtype.name
-    if dtype == stored:
+def _check_dtype(dtype: str, values: NDArray[np.generic], name: str, path: Path) -> Iterator[Finding]:
+    stored = values.dtype.name
+    if dtype == stored or (dtype == "bool" and stored == "uint8"):  # as booleans are read
         return
     tell = note if values.dtype.kind == "f" and dtype.startswith("float") else warning
     yield tell("column-type", path, name, f"values of type {stored}", f"{dtype}, as meta/info.json says")
-
-
-def _has_gaps(table: pa.Table, name: str) -> bool:
-    chunks = table.column(name).chunks
-    while chunks:
-        if any(chunk.null_count for chunk in chunks):
-            return True
-        chunks = [getattr(chunk, "storage", chunk) for chunk in chunks]
-        chunks = [chunk.flatten() for chunk in chunks if pa.types.is_nested(chunk.type)]
-    return False
-
-
-def _innermost(kind: pa.DataType) -> pa.DataType:
-    while isinstance(kind, pa.ExtensionType) or pa.types.is_nested(kind):
-        kind = kind.storage_type if isinstance(kind, pa.ExtensionType) else kind.value_type
-    return kind

@@ -178,8 +178,9 @@ def check_timestamps(timestamp: NDArray[np.float64], frame_index: Ints, fps: flo
     if not wrong.any():
         return
     row = int(wrong.argmax())
-    step = np.median(np.diff(timestamp)[np.diff(frame_index) == 1]) if len(timestamp) > 1 else np.nan
-    off_everywhere = step > 0 and abs(step * fps - 1) > 0.01
+    steps = np.diff(timestamp)[np.diff(frame_index) == 1]
+    step = np.median(steps) if len(steps) else 0.0
+    off_everywhere = step > 1e-9 and abs(step * fps - 1) > 0.01
     found = f"{timestamp[row]:g} s{and_more(wrong)}"
     wanted = f"{expected[row]:g} s, which is frame {frame_index[row]} at {fps:g} fps"
     mend = f"Its frames are {step:.3g} s apart, which would be {1 / step:.3g} fps" if off_everywhere else ""

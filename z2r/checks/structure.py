@@ -101,7 +101,7 @@ def check_features(schema: Schema) -> Iterator[Finding]:
             continue
         try:
             np.dtype(feature.dtype)
-        except TypeError:
+        except (TypeError, ValueError, SyntaxError):
             yield error("info", INFO_PATH, f"features.{name}.dtype", feature.dtype, "a dtype that numpy knows")
         names = feature.names
         if isinstance(names, dict) and len(names) == 1:

@@ -115,7 +115,8 @@ def _check_shard_stats(
     prefix = f"stats/{name}/"
     kinds = [kind for kind in ("count", "min", "max", "mean", "std") if prefix + kind in parquet.schema_arrow.names]
     table = read_columns(parquet, path, ["episode_index", *(prefix + kind for kind in kinds)])
-    runs = np.array([run_of_episode.get(number, -1) for number in integers(table, "episode_index", path).tolist()])
+    numbers = integers(table, "episode_index", path).tolist()
+    runs = np.array([run_of_episode.get(number, -1) for number in numbers], dtype=np.int64)
     there = runs >= 0
     found = {kind: vectors(table, prefix + kind, (1,) if kind == "count" else feature.shape, path) for kind in kinds}
     for kind, computed, tolerance in _statistics(RunStats(*(column[runs[there]] for column in stats))):
@@ -203,11 +204,13 @@ def _statistics(stats: RunStats) -> Iterator[tuple[str, Floats, Floats]]:
 def _differences(stored: Mapping[str, Any], stats: RunStats, feature: Feature) -> Iterator[tuple[str, str, str]]:
     """Yield the statistics that differ: which one, what is stored, what is right."""
     for kind, computed, tolerance in _statistics(stats):
+        if stored and kind not in stored:
+            yield kind, "nothing", f"{computed.size} numbers"
         if kind not in stored:
             continue
         try:
             told = np.asarray(stored[kind], dtype=np.float64).ravel()
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             yield kind, "something else", f"{computed.size} numbers"
             continue
         if told.size != computed.size:
