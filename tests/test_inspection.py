@@ -170,3 +170,13 @@ def test_thousands_of_episodes_in_many_files_are_counted_right(tmp_path):
     errors = z2r.frame_errors(last, PUSHT, dataset.schema)
     assert outcome.reached.tolist() == z2r.in_tolerance(errors, PUSHT).tolist()
     assert 0 < outcome.n_reached < 3000
+
+
+def test_a_state_of_pictures_has_no_reading_whatever_its_names(standin_copy):
+    path = standin_copy / "meta/info.json"
+    info = json.loads(path.read_text())
+    info["features"]["observation.state"]["dtype"] = "image"
+    path.write_text(json.dumps(info))
+    inspection = z2r.inspect_dataset(z2r.load(standin_copy))
+    assert inspection.outcome is None
+    assert set(inspection.missing) == set(PUSHT.names)

@@ -72,6 +72,13 @@ class Audit(msgspec.Struct, frozen=True):
         ----------
         source : str
             What was audited, such as ``standin``.
+
+        Returns
+        -------
+        dict
+            ``source``, ``exit_code``, ``n_episodes``, ``n_frames``; ``n_errors``, ``n_warnings``, ``n_notes``, of those
+            in ``findings``; ``findings``, each with ``check``, ``severity``, ``file``, ``field``, ``found``,
+            ``expected`` and ``mend``; ``more``, how many findings of a check are left out; and ``not_checked``.
         """
         counts = Counter(finding.severity for finding in self.findings)
         return {

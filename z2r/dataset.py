@@ -138,8 +138,9 @@ def map_files[T](
     def read_and_fold(file: DataFile) -> T:
         return fold(file, read_frames(dataset.schema, file, features, min(file.to_index, end) - file.from_index))
 
+    files = [file for file in dataset.files if file.from_index < end]
     results: list[T] = []
-    for file, result in zip(dataset.files, in_threads(read_and_fold, dataset.files), strict=True):
+    for file, result in zip(files, in_threads(read_and_fold, files), strict=True):
         results.append(result)
         progress(min(file.to_index, end), end)
     return results

@@ -66,14 +66,15 @@ def read_columns(file: pq.ParquetFile, path: Path, columns: Sequence[str], n_row
         If a column is missing or comes twice, or the bytes cannot be decoded, or the file has fewer rows than it says,
         or more than fit into memory: a small file can claim a billion.
     """
-    present = file.schema_arrow.names
+    stored = file.schema_arrow  # made anew at each call
+    present = stored.names
     for column in columns:
         if column not in present:
             raise DatasetError(path, column, found="no such column", expected=f"it among {_some(present)}")
         if present.count(column) > 1:
             raise DatasetError(path, column, found=f"{present.count(column)} columns of this name", expected="one")
     claimed = file.metadata.num_rows if n_rows is None else min(n_rows, file.metadata.num_rows)
-    a_row = sum(width(file.schema_arrow.field(column).type) or 1 for column in columns)
+    a_row = sum(width(stored.field(column).type) or 1 for column in columns)
     if claimed * a_row > _MAX_NUMBERS:
         raise DatasetError(
             path,

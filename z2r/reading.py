@@ -73,8 +73,8 @@ class Reading:
         return *self.pusher, *self.tee.names, *self.target.names
 
     def missing(self, schema: Schema) -> tuple[str, ...]:
-        """Return the columns of this reading that the schema does not have: where there are none, it fits."""
-        feature = schema.features.get(self.feature)
+        """Return the columns of this reading that are no numbers in the schema: where there are none, it fits."""
+        feature = schema.signals().get(self.feature)
         dims = feature.dim_names if feature else ()
         return tuple(name for name in self.names if name not in dims)
 

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from z2r.checks.findings import Finding, error, warning
+from z2r.checks.index import and_more
 from z2r.checks.structure import Ints
 
 SHIFTS = (0, -1, 1, -2, 2)  # frames by which an action may be late or early; 0 first, so that it wins a tie
@@ -78,9 +79,13 @@ def judge(episodes: Ints, parts: Floats) -> Iterator[Finding]:
         yield error("action-motion", "data", "action against the motion of the pusher", *_say(fit, fault, -1))
     elif len(wrong):
         found, expected, mend = _say(fit, fault, int(wrong[0]))
-        more = f" (and {len(wrong) - 1:,} more episodes like it)" if len(wrong) > 1 else ""
         yield warning(
-            "action-motion", "data", f"action in episode {numbers[wrong[0]]}", f"{found}{more}", expected, mend
+            "action-motion",
+            "data",
+            f"action in episode {numbers[wrong[0]]}",
+            f"{found}{and_more(fault[:-1] > 0)}",
+            expected,
+            mend,
         )
 
 

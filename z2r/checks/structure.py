@@ -68,7 +68,11 @@ def read_rows(root: Path) -> tuple[dict[str, Ints], list[Path], list[Finding]]:
     for path in paths:
         try:
             parquet = open_parquet(path)
-            read_columns(parquet, path, parquet.schema_arrow.names)  # LeRobot reads them all
+            stored = parquet.schema_arrow.names
+            read_columns(parquet, path, stored)  # LeRobot reads them all
+            if "tasks" not in stored:
+                inner = path.relative_to(root)
+                findings.append(error("episodes-file", inner, "tasks", "no such column", "the tasks of each episode"))
             shards.append(read_shard(path))
             readable.append(path)
         except DatasetError as fault:
@@ -109,8 +113,9 @@ def check_features(schema: Schema) -> Iterator[Finding]:
         if not isinstance(names, list) or name in BOOKKEEPING:
             continue
         place = f"features.{name}.names"
-        if len(names) != feature.size and not any(isinstance(each, list) for each in names):
-            yield warning("info", INFO_PATH, place, f"{len(names)} names", f"{feature.size}, one for each dimension")
+        if len(feature.shape) == 1 and (len(names) != feature.size or not all(isinstance(each, str) for each in names)):
+            found = f"{len(names)} names: {', '.join(map(str, names))}"
+            yield warning("info", INFO_PATH, place, found, f"{feature.size} texts, one for each dimension")
         repeated = [each for each, times in Counter(map(str, names)).items() if times > 1]
         if repeated:
             yield warning("info", INFO_PATH, place, f"{repeated[0]} twice", "another name for each dimension")
@@ -175,9 +180,14 @@ def read_tasks(root: Path) -> tuple[Ints | None, list[Finding]]:
     try:
         path = inside(root, TASKS_PATH)
         parquet = open_parquet(path)
-        tasks = integers(read_columns(parquet, path, ["task_index"]), "task_index", path)
-        if not any(pa.types.is_string(kind) or pa.types.is_large_string(kind) for kind in parquet.schema_arrow.types):
-            raise DatasetError(path, "task", found="no such column", expected="the text of each task")
+        stored = parquet.schema_arrow  # the text is in the index of a pandas table, whose name may be any
+        texts = [
+            field.name for field in stored if pa.types.is_string(field.type) or pa.types.is_large_string(field.type)
+        ]
+        table = read_columns(parquet, path, ["task_index", *texts])
+        tasks = integers(table, "task_index", path)
+        if not any(not table.column(text).null_count for text in texts):
+            raise DatasetError(path, "task", found="no such column, or gaps in it", expected="the text of each task")
     except DatasetError as fault:
         return None, [from_fault("tasks-file", fault, root)]
     if not np.array_equal(np.sort(tasks), np.arange(len(tasks))) or not len(tasks):
@@ -201,22 +211,30 @@ def read_stats(root: Path) -> tuple[dict[str, dict[str, Any]], list[Finding]]:
 
 
 def check_videos(root: Path, schema: Schema, totals: Totals) -> Iterator[Finding]:
-    """Is every video there that the episode metadata names?"""
+    """Is every video there that the episode metadata names, and no other?"""
+    known = set()
     for name in (name for name, feature in schema.features.items() if feature.dtype == "video"):
-        columns = [f"videos/{name}/chunk_index", f"videos/{name}/file_index"]
         try:
-            shards = [read_columns(open_parquet(path), path, columns) for path in shard_paths(root)]
-            named = {
-                pair
-                for path, shard in zip(shard_paths(root), shards, strict=True)
-                for pair in zip(*(integers(shard, column, path).tolist() for column in columns), strict=True)
-            }
-            template = _video_template(root, totals)
+            paths = _named_videos(root, name, _video_template(root, totals))
         except DatasetError as fault:
             yield from_fault("video-file", fault, root)
             continue
-        for chunk, file in sorted(named):
-            yield from _check_video(root, template.format(video_key=name, chunk_index=chunk, file_index=file))
+        for path in paths:
+            yield from _check_video(root, path)
+        known.update(paths)
+    for video in sorted((root / "videos").rglob("*.mp4")):
+        inner = video.relative_to(root)
+        if inner.as_posix() not in known:
+            yield warning("orphan-file", inner, "", "a video that no episode is in", "only those that the index names")
+
+
+def _named_videos(root: Path, name: str, template: str) -> list[str]:
+    columns = [f"videos/{name}/chunk_index", f"videos/{name}/file_index"]
+    named: set[tuple[int, ...]] = set()
+    for path in shard_paths(root):
+        shard = read_columns(open_parquet(path), path, columns)
+        named.update(zip(*(integers(shard, column, path).tolist() for column in columns), strict=True))
+    return [template.format(video_key=name, chunk_index=chunk, file_index=file) for chunk, file in sorted(named)]
 
 
 def _video_template(root: Path, totals: Totals) -> str:

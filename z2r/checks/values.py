@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import pyarrow as pa
 from numpy.typing import NDArray
 
 from z2r.checks.findings import Finding, error, from_fault, warning
@@ -19,6 +20,7 @@ from z2r.schema import ACTION, STATE, Feature, Schema
 UNIT_TOLERANCE = 0.01  # of sin² + cos²: rounding to three digits stays within
 JUMP = 10  # times the step that is usual: no sensor of a moving robot was seen to do that by itself
 
+_KINDS = ("count", "min", "max", "mean", "std")  # of statistics
 _FEW = 5  # episodes: from so few nothing can be said about what is usual
 _LONG = 20  # frames: a sensor may well stand still for less
 _MOST = 0.9  # of the episodes
@@ -101,33 +103,33 @@ def check_episode_stats(
 ) -> Iterator[Finding]:
     """Are the statistics of each episode, which are stored with the metadata, those of its frames?"""
     for path in shards:
+        parquet = open_parquet(path)
+        stored = parquet.schema_arrow.names
+        numbers = integers(read_columns(parquet, path, ["episode_index"]), "episode_index", path).tolist()
+        run = np.array([run_of_episode.get(number, -1) for number in numbers], dtype=np.int64)
         for name, stats in runs.items():
+            columns = [column for kind in _KINDS if (column := f"stats/{name}/{kind}") in stored]
             try:
-                yield from _check_shard_stats(path, root, name, schema.features[name], stats, run_of_episode)
+                table = read_columns(parquet, path, columns)
+                yield from _check_shard_stats(table, path, root, name, schema.features[name], stats, run)
             except DatasetError as fault:
                 yield from_fault("stats", fault, root)
 
 
 def _check_shard_stats(
-    path: Path, root: Path, name: str, feature: Feature, stats: RunStats, run_of_episode: Mapping[int, int]
+    table: pa.Table, path: Path, root: Path, name: str, feature: Feature, stats: RunStats, run: Ints
 ) -> Iterator[Finding]:
-    parquet = open_parquet(path)
-    prefix = f"stats/{name}/"
-    kinds = [kind for kind in ("count", "min", "max", "mean", "std") if prefix + kind in parquet.schema_arrow.names]
-    table = read_columns(parquet, path, ["episode_index", *(prefix + kind for kind in kinds)])
-    numbers = integers(table, "episode_index", path).tolist()
-    runs = np.array([run_of_episode.get(number, -1) for number in numbers], dtype=np.int64)
-    there = runs >= 0
-    found = {kind: vectors(table, prefix + kind, (1,) if kind == "count" else feature.shape, path) for kind in kinds}
-    for kind, computed, tolerance in _statistics(RunStats(*(column[runs[there]] for column in stats))):
-        if kind not in found:
+    there = run >= 0
+    for kind, computed, tolerance in _statistics(RunStats(*(column[run[there]] for column in stats))):
+        column_name = f"stats/{name}/{kind}"
+        if column_name not in table.column_names:
             continue
-        told = found[kind][there].astype(np.float64)
+        told = vectors(table, column_name, (1,) if kind == "count" else feature.shape, path)[there].astype(np.float64)
         wrong = ~(np.abs(told - computed) <= tolerance)
         if wrong.any():
             row, column = np.argwhere(wrong)[0].tolist()
-            episode = np.flatnonzero(there)[row]
-            place = f"{prefix}{kind}{_dim(feature, column)} in row {episode}"
+            dim = "" if kind == "count" else _dim(feature, column)
+            place = f"{column_name}{dim} in row {np.flatnonzero(there)[row]}"
             said = f"{told[row, column]:.6g}{and_more(wrong)}"
             yield warning("stats", path.relative_to(root), place, said, f"{computed[row, column]:.6g}, recomputed")
 
