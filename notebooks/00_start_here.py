@@ -61,12 +61,20 @@ from z2r.exercises import start_here as practice
 # the block onto a target: the right place, turned the right way. The task is known as PushT. It is planar, so three
 # numbers say where the block is: x and y in metres, and a *yaw*, the angle by which it is turned.
 #
-# Here is one demonstration, seen from above. `z2r.STANDIN` is the folder of the dataset that comes with the package,
-# and `z2r.PUSHT` says which of its columns means what. Look at three things: where the block starts, how the orange
-# line of the pusher leads around it before it pushes, and where the block ends.
+# Here is the recording, seen from above. `z2r.STANDIN` is the folder of the dataset that comes with the package. Press
+# *Play*, or step through the frames with the arrow keys, and watch the two errors fall. Then pick another episode. The
+# question at the top, *How is it read?*, can wait: you will come back to it.
 
 # %%
 dataset = z2r.load(z2r.STANDIN)
+z2r.panel(dataset)
+
+# %% [markdown]
+# The same as a picture that stands still: all of one demonstration. `z2r.PUSHT` says which column of the dataset means
+# what. Look at three things: where the block starts, how the orange line of the pusher leads around it before it
+# pushes, and where the block ends.
+
+# %%
 state = dataset.read("observation.state")
 figures.episode_path(state[dataset.episodes[1]], z2r.PUSHT, dataset.schema)
 
@@ -182,7 +190,8 @@ figures.right_and_wrong(state[dataset.episodes[1]], z2r.PUSHT, wrong, dataset.sc
 
 # %% [markdown]
 # It ends in the right place, lying on its side, and the pusher stands inside it. That is the signature of `yaw-swap`:
-# the positions are right, the angles are not.
+# the positions are right, the angles are not. Now go back to the panel at the top, choose `yaw-swap` there, and watch
+# all six collapse to 0%.
 #
 # ## Practice
 #
@@ -206,6 +215,7 @@ practice.check_share_reached(share_reached)
 # - **look** at it: the path of one episode, and the last poses of all;
 # - **read it wrong**: `yaw-swap` leaves every length as it was and turns 100% into 0%.
 #
-# In a terminal, `z2r inspect` does all of this in one command.
+# In a terminal, `z2r inspect` does all of this in one command, and `z2r report` writes the panel as a page that you can
+# mail to somebody.
 #
 # Next: [What is a frame?](01_schema.ipynb) takes apart what you just loaded, one file at a time.

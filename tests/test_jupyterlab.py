@@ -29,15 +29,17 @@ FLAGS = [
     "--no-sandbox",
 ]
 STEM = "00_start_here"
+UNTRUSTED = "with_outputs.ipynb"
 SECONDS = 1000  # of Playwright, which counts in milliseconds
 
 
 @pytest.fixture(scope="session")
 def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """Address of a JupyterLab that serves a copy of one notebook, to this machine only, and keeps no settings."""
+    """Address of a JupyterLab that serves two copies of one notebook, to this machine only, and keeps no settings."""
     folder = tmp_path_factory.mktemp("lab")
     (folder / "notebooks").mkdir()
     nbformat.write(without_outputs(committed(STEM)), folder / "notebooks" / f"{STEM}.ipynb")
+    nbformat.write(committed(STEM), folder / "notebooks" / UNTRUSTED)
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
@@ -103,4 +105,16 @@ def test_run_all_finishes_and_draws_the_figures(page, server, tmp_path):
     page.screenshot(path=tmp_path / "notebook.png", full_page=True)
     print(tmp_path / "notebook.png")
     assert notebook.locator(".jp-OutputArea-output", has_text="Traceback (most recent call last)").count() == 0
-    expect(notebook.locator(".jp-OutputArea-output img")).to_have_count(figures)
+    expect(notebook.locator(".jp-OutputArea-output img[src^='data:image/png']")).to_have_count(figures)
+    panel = notebook.frame_locator("iframe")
+    expect(panel.locator(".percent:visible")).to_have_text("100%")
+    panel.locator("[value=yaw-swap]").check()
+    expect(panel.locator(".percent:visible")).to_have_text("0%")
+
+
+def test_before_anybody_trusts_the_notebook_the_panel_is_a_still(page, server):
+    page.goto(f"{server}/lab/tree/{UNTRUSTED}")
+    still = page.locator(".jp-Notebook img[src^='data:image/svg']")
+    expect(still).to_be_visible(timeout=60 * SECONDS)
+    assert still.bounding_box()["height"] > 300
+    expect(page.locator(".jp-Notebook iframe")).to_have_count(0)

@@ -18,14 +18,24 @@ PACKAGE = Path(z2r.__file__).parent
 PYPROJECT = PACKAGE.parent / "pyproject.toml"
 PINS = Path(__file__).with_name("colab-pins.txt")
 
-EXERCISES = ("start_here", "schema", "episodes", "angles", "success", "replay", "breaks", "your_dataset")
+EXERCISES = ("start_here", "schema", "episodes", "angles", "success", "replay", "breaks", "your_dataset", "field_guide")
 LAYERS = [
     ["errors", "angles", "pusht.task", "data", "source", "exercises", "exercises._core"],
     ["parquet", "verdict", "wallclock", "schema"],
     ["episodes", "reading"],
     ["dataset", "success", "breaks", "overlap"],
-    ["inspection"],
-    ["replay", "drawing", "figures", "terminal", "pusht.env", "pusht.expert"],
+    ["inspection", "damage"],
+    ["checks", "checks.findings"],
+    ["checks.structure"],
+    ["checks.index"],
+    ["checks.frames", "checks.values", "checks.motion", "checks.story"],
+    ["checks.physics"],
+    ["auditing", "salvage"],
+    ["field_guide"],
+    ["page", "page.content"],
+    ["page.pictures"],
+    ["page.markup"],
+    ["replay", "report", "drawing", "figures", "terminal", "pusht.env", "pusht.expert"],
     [f"exercises.{name}" for name in EXERCISES],
     ["recorder"],
     ["cli", "course"],

@@ -19,9 +19,13 @@ from .reading import Reading as Reading
 from .reading import named_columns as named_columns
 from .reading import read_pose as read_pose
 from .recorder import record as record
+from .replay import write_replay as write_replay
+from .report import Panel as Panel
+from .report import Report as Report
+from .report import panel as panel
+from .report import write_report as write_report
 from .salvage import Salvage as Salvage
 from .salvage import salvage as salvage
-from .replay import write_replay as write_replay
 from .schema import Feature as Feature
 from .schema import Schema as Schema
 from .success import FrameErrors as FrameErrors

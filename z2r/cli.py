@@ -1,4 +1,4 @@
-"""The command line: `z2r inspect` and `z2r record`.
+"""The command line: `z2r inspect`, `z2r audit`, `z2r report` and `z2r record`.
 
 Modules that are slow to import are imported where they are used, so that `--help` is there at once.
 """
@@ -23,7 +23,9 @@ if TYPE_CHECKING:
 
 _SMOKE_STEPS = 40
 _SHIPPED_EPISODES = 6
-_MODES_HELP = "; ".join(f"`{mode.name}`: {mode.assumption}" for mode in BREAK_MODES.values())
+_MODES_HELP = "What each MODE believes:\n\n" + "\n\n".join(
+    f"- `{mode.name}`: {mode.assumption}" for mode in BREAK_MODES.values()
+)
 
 
 def main() -> None:
@@ -45,7 +47,7 @@ def cli() -> None:
     """
 
 
-@cli.command()
+@cli.command(epilog=_MODES_HELP)
 @click.argument("dataset", type=click.Path(path_type=Path), required=False)
 @click.option("--episodes", type=click.IntRange(min=1), metavar="N", help="Read the first N episodes only.")
 @click.option("--seed", type=click.IntRange(min=0), metavar="S", help="Record episodes afresh, from this seed on.")
@@ -55,7 +57,7 @@ def cli() -> None:
     "break_name",
     type=click.Choice(list(BREAK_MODES)),
     metavar="MODE",
-    help=f"Read it wrong on purpose. {_MODES_HELP}.",
+    help="Read it wrong on purpose, as one of the modes below.",
 )
 @click.option(
     "--out",
@@ -66,6 +68,7 @@ def cli() -> None:
     help="Folder for `metrics.json` and `inspect.rrd`.",
 )
 @click.option("--no-rerun", is_flag=True, help="Write no `inspect.rrd`.")
+@click.option("--salvage", is_flag=True, help="Of a dataset that was cut off, read the episodes that are whole.")
 @click.option("--json", "as_json", is_flag=True, help="Print `metrics.json` and nothing else.")
 def inspect(
     dataset: Path | None,
@@ -75,6 +78,7 @@ def inspect(
     break_name: str | None,
     out: Path,
     no_rerun: bool,
+    salvage: bool,
     as_json: bool,
 ) -> None:
     """Say what is in a dataset: what a frame is, where episodes end, how many reached the target.
@@ -99,7 +103,56 @@ def inspect(
         else:
             root = _find(dataset)
             title = root.resolve().name
-        _inspect(root, title, episodes, mode, out, no_rerun or smoke, as_json)
+        _inspect(root, title, episodes, mode, out, no_rerun or smoke, salvage, as_json)
+
+
+@cli.command()
+@click.argument("dataset", type=click.Path(path_type=Path), required=False)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, dir_okay=False),
+    default=Path("z2r-out/report.html"),
+    show_default=True,
+    metavar="FILE.html",
+    help="The page to write.",
+)
+def report(dataset: Path | None, out: Path) -> None:
+    """Write a page that shows a dataset: play an episode, step through it, read it wrong and watch what happens.
+
+    DATASET is named as for `z2r inspect`. It is never written to.
+
+    The page is one file that any browser opens from disk. It needs no network and no server, so it can be mailed.
+    """
+    _report(_find(dataset), out)
+
+
+@cli.command()
+@click.argument("dataset", type=click.Path(path_type=Path), required=False)
+@click.option(
+    "--break",
+    "break_name",
+    type=click.Choice(list(BREAK_MODES)),
+    metavar="MODE",
+    help="Audit what somebody believes who reads it wrong: is it noticed? `z2r inspect --help` names the modes.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print the findings as JSON and nothing else.")
+def audit(dataset: Path | None, break_name: str | None, as_json: bool) -> None:
+    """Say what is wrong with a dataset: each finding with what was found, what was expected, and how to mend it.
+
+    DATASET is named as for `z2r inspect`. It is never written to.
+
+    A dataset tells of its episodes three times, in the metadata, in the columns of its frames, and in its totals: they
+    are held against each other. So are its values against its statistics, and its reading against what solid bodies can
+    do. At the end it says what nobody looked at.
+
+    The exit code is 0 where there is no error and no warning, 1 where there is one, and 2 where the dataset cannot be
+    read.
+
+    - `z2r audit my_dataset && train my_dataset` trains on nothing that is broken
+    - `z2r audit my_dataset --json` is for scripts
+    - `z2r audit --break yaw-swap-everywhere` finds by a number what the success rate hides
+    """
+    sys.exit(_audit(_find(dataset), break_mode(break_name) if break_name else None, as_json))
 
 
 @cli.command()
@@ -179,31 +232,43 @@ def _record(out: Path, wanted: _Wanted, noise: float, quiet: bool) -> None:
 
 
 def _inspect(
-    root: Path, title: str, episodes: int | None, mode: BreakMode | None, out: Path, no_rerun: bool, as_json: bool
+    root: Path,
+    title: str,
+    episodes: int | None,
+    mode: BreakMode | None,
+    out: Path,
+    no_rerun: bool,
+    salvage: bool,
+    as_json: bool,
 ) -> None:
-    from z2r.dataset import load
     from z2r.inspection import inspect_dataset, metrics_json
-    from z2r.terminal import console, expectation, progress, summary, wrong_on_purpose
+    from z2r.terminal import console, expectation, left_out, progress, summary, wrong_on_purpose
     from z2r.verdict import read_verdict
     from z2r.wallclock import nearest_run
 
     if out.resolve().is_relative_to(root.resolve()):
         raise click.UsageError(f"{out} is inside the dataset, which is never written to: name another --out")
     screen = console(as_json)
-    dataset = load(root)
+    dataset, lost = _load(root, salvage)
     if episodes is not None:
         dataset = _first(dataset, episodes)
     command = "inspect --no-rerun" if no_rerun else "inspect"
     screen.print(expectation(nearest_run(command, dataset.episodes.n_frames), "frames"), soft_wrap=True)
     if mode:
         screen.print(wrong_on_purpose(mode))
-    with progress("reading", "frames", as_json) as report:
+    with progress("reading", "frames", as_json) as report, _way_out(root, salvage):
         inspection = inspect_dataset(dataset, mode, progress=report)
     recording = read_verdict(root)
-    metrics = metrics_json(inspection.metrics(title, recording.episodes[0].seed if recording else None))
+    numbers = inspection.metrics(title, recording.episodes[0].seed if recording else None)
+    if salvage:
+        episodes_read = range(len(inspection.episodes))
+        numbers |= {"episode_numbers": [inspection.episodes.number(i) for i in episodes_read], "left_out": lost}
+    metrics = metrics_json(numbers)
     out.mkdir(parents=True, exist_ok=True)
     (out / "metrics.json").write_bytes(metrics)
     screen.print(summary(inspection, title))
+    if salvage:
+        screen.print(left_out(lost))
     say = partial(screen.print, soft_wrap=True)
     say(f"wrote {out / 'metrics.json'}")
     if not no_rerun:
@@ -218,6 +283,75 @@ def _inspect(
             )
     if as_json:
         sys.stdout.buffer.write(metrics)
+
+
+def _load(root: Path, salvaged: bool) -> "tuple[Dataset, tuple[str, ...]]":
+    """Load a dataset, and say what of it is left out."""
+    if salvaged:
+        from z2r.salvage import salvage
+
+        found = salvage(root)
+        return found.dataset, found.left_out
+    from z2r.dataset import load
+
+    with _way_out(root, salvaged):
+        return load(root), ()
+
+
+@contextlib.contextmanager
+def _way_out(root: Path, salvaged: bool) -> Iterator[None]:
+    """Let an error say what can still be read, if anything."""
+    try:
+        yield
+    except DatasetError as error:
+        from z2r.salvage import salvage
+
+        try:
+            whole = len(salvage(root).dataset.episodes) if not salvaged else 0
+        except DatasetError:
+            whole = 0
+        if not whole:
+            raise error from None
+        advice = f"--salvage reads the {whole:,} episode{'s' * (whole > 1)} of which everything is there"
+        mend = f"{error.mend}. {advice}" if error.mend else advice
+        raise DatasetError(error.path, error.field, found=error.found, expected=error.expected, mend=mend) from None
+
+
+def _audit(root: Path, mode: BreakMode | None, as_json: bool) -> int:
+    import msgspec
+
+    from z2r.auditing import audit
+    from z2r.terminal import audit_report, console, progress, wrong_on_purpose
+
+    screen = console(as_json)
+    if mode:
+        screen.print(wrong_on_purpose(mode))
+    with progress("auditing", "data files", as_json) as report:
+        found = audit(root, mode, progress=report)
+    title = root.resolve().name
+    screen.print(audit_report(found, title))
+    if as_json:
+        click.echo(msgspec.json.format(msgspec.json.encode(found.to_dict(title)), indent=2))
+    return found.exit_code
+
+
+def _report(root: Path, out: Path) -> None:
+    from z2r.dataset import load
+    from z2r.report import write_report
+    from z2r.terminal import console, expectation, progress
+    from z2r.wallclock import nearest_run
+
+    screen = console()
+    dataset = load(root)
+    screen.print(expectation(nearest_run("report", dataset.episodes.n_frames), "frames"), soft_wrap=True)
+    try:
+        with progress("reading", "frames", quiet=False) as move:
+            written = write_report(dataset, out, move)
+    except ValueError as error:
+        raise click.UsageError(f"--out: {error}") from None
+    screen.print(f"wrote {written.path}: open it in a browser", soft_wrap=True)
+    if written.left_out:
+        screen.print(f"to keep the page small: {written.left_out}", soft_wrap=True)
 
 
 def _first(dataset: "Dataset", episodes: int) -> "Dataset":

@@ -27,7 +27,7 @@ from rich.table import Table
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent))
 
-from layouts import lay_out  # noqa: E402 -- a sibling of this folder
+from layouts import Layout, lay_out, read_dataset, write_dataset  # noqa: E402 -- a sibling of this folder
 
 import z2r  # noqa: E402
 from z2r.dataset import map_files  # noqa: E402
@@ -206,6 +206,50 @@ def import_against_bare_interpreter(scratch: Path, runs: int) -> Row:
     )
 
 
+def report_against_inspect(root: Path, scratch: Path, runs: int) -> list[Row]:
+    ours, theirs = alternate(
+        lambda: run_process([*Z2R, "report", str(root)], scratch),
+        lambda: run_process([*Z2R, "inspect", str(root), "--no-rerun"], scratch),
+        runs,
+    )
+    seconds = median(ours, "seconds"), median(theirs, "seconds")
+    ratio = seconds[0] / seconds[1]
+    megabytes = (scratch / "z2r-out/report.html").stat().st_size / 1e6
+    return [
+        Row(
+            "report over inspect: time",
+            f"{seconds[0]:.2f} s",
+            f"{seconds[1]:.2f} s (inspect)",
+            ratio,
+            "<= 3",
+            ratio <= 3,
+        ),
+        Row("the page of it", f"{megabytes:.1f} MB", "5 MB (limit)", megabytes / 5, "<= 1", megabytes <= 5),
+    ]
+
+
+def audit_against_inspect(root: Path, scratch: Path, runs: int) -> Row:
+    ours, theirs = alternate(
+        lambda: run_process([*Z2R, "audit", str(root)], scratch),
+        lambda: run_process([*Z2R, "inspect", str(root), "--no-rerun"], scratch),
+        runs,
+    )
+    seconds = median(ours, "seconds"), median(theirs, "seconds")
+    ratio = seconds[0] / seconds[1]
+    ours_said, theirs_said = f"{seconds[0]:.2f} s", f"{seconds[1]:.2f} s (inspect)"
+    return Row("audit over inspect: time", ours_said, theirs_said, ratio, "<= 5", ratio <= 5)
+
+
+def repeat_messy(root: Path, n_frames: int, n_files: int) -> Path:
+    """Lay out real demonstrations, again and again: an audit finds nothing wrong with them, so it does all its work."""
+    frames, lengths = read_dataset(z2r.MESSY)
+    times = -(-n_frames // sum(lengths))
+    n_episodes = times * len(lengths)
+    layout = Layout(even(n_episodes, n_files), even(n_episodes, 4))
+    write_dataset(root, {name: np.tile(values, (times, 1)) for name, values in frames.items()}, lengths * times, layout)
+    return root
+
+
 def even(total: int, parts: int) -> list[int]:
     return [len(part) for part in np.array_split(np.arange(total), parts)]
 
@@ -223,7 +267,7 @@ def print_ledger(big: Path, scratch: Path, runs: int) -> None:
     commands: list[tuple[str, int, list[str]]] = [
         (command, z2r.load(root).episodes.n_frames, [*command.split(), str(root)])
         for root in (z2r.STANDIN, big)
-        for command in ("inspect", "inspect --no-rerun")
+        for command in ("inspect", "inspect --no-rerun", "report")
     ]
     commands += [("record", n, ["record", "recorded", "--episodes", str(n)]) for n in (6, 60)]
     for command, size, args in commands:
@@ -254,6 +298,8 @@ def main() -> None:
             memory_by_number_of_files(quarter, big, scratch, args.runs),
             read_against_bare_pyarrow(big, args.runs),
             replay_against_rows(small, scratch, min(args.runs, 3)),
+            *report_against_inspect(big, scratch, args.runs),
+            audit_against_inspect(repeat_messy(scratch / "messy", args.frames, n_files=32), scratch, args.runs),
             import_against_bare_interpreter(scratch, args.runs),
         ]
     table = Table("measure", "z2r", "reference", "ratio", "target", "", title=f"{machine_tier()}, medians")

@@ -1,0 +1,383 @@
+"""The page that shows a dataset, in a browser: opened from disk, without a network."""
+
+import json
+import os
+import re
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+from axe_playwright_python.sync_playwright import Axe
+from playwright.sync_api import Browser, Page, expect, sync_playwright
+from test_jupyterlab import CHROMIUM, FLAGS
+from test_report import HOSTILE, make_hostile
+
+import z2r
+from z2r.page.content import WRONG_READINGS
+
+SHIPPED = {"standin": z2r.STANDIN, "messy": z2r.MESSY}
+READINGS = ("right", *WRONG_READINGS)
+NOW = "window.requestAnimationFrame = (draw) => { draw(performance.now()); return 0; }"
+
+type Open = Callable[..., Page]
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    if CHROMIUM is None:
+        reason = "no chromium: apt-get install chromium"
+        pytest.fail(reason) if os.environ.get("Z2R_REQUIRE_BROWSER") else pytest.skip(reason)
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def open_file(browser: Browser) -> Iterator[Open]:
+    """Open a file with no network; at the end, say that it asked for nothing and complained of nothing."""
+    faults: list[str] = []
+    contexts = []
+
+    def open_file(path: Path, script: str = "", **options) -> Page:
+        context = browser.new_context(offline=True, **({"viewport": {"width": 1280, "height": 900}} | options))
+        contexts.append(context)
+        page = context.new_page()
+        page.on("request", lambda request: request.url == path.as_uri() or faults.append(request.url))
+        page.on("console", lambda message: faults.append(message.text))
+        page.on("pageerror", lambda error: faults.append(str(error)))
+        page.on("dialog", lambda dialog: faults.append(dialog.message))
+        page.add_init_script(script)
+        page.goto(path.as_uri())
+        return page
+
+    yield open_file
+    for context in contexts:
+        context.close()
+    assert not faults
+
+
+@pytest.fixture
+def open_report(open_file: Open, tmp_path: Path) -> Open:
+    def open_report(root: Path, **options) -> Page:
+        z2r.write_report(z2r.load(root), tmp_path / "report.html")
+        return open_file(tmp_path / "report.html", **options)
+
+    return open_report
+
+
+@pytest.fixture
+def other_robot(standin_copy: Path) -> Path:
+    path = standin_copy / "meta/info.json"
+    path.write_text(path.read_text().replace("tee_x", "cube_x"))
+    return standin_copy
+
+
+def read_as(page: Page, name: str) -> None:
+    page.get_by_role("radio", name=name, exact=False).and_(page.locator(f"[value={name}]")).check()
+
+
+def expect_frame(page: Page, frame: int) -> None:
+    expect(page.get_by_role("slider", name="Frame")).to_have_value(f"{frame}")
+
+
+def test_keys_scrub(open_report):
+    page = open_report(z2r.STANDIN)
+    last = int(z2r.load(z2r.STANDIN).episodes.lengths[0]) - 1
+    expect_frame(page, 0)
+    for key, frame in [
+        ("ArrowRight", 1),
+        ("ArrowRight", 2),
+        ("Shift+ArrowRight", 12),
+        ("ArrowLeft", 11),
+        ("Shift+ArrowLeft", 1),
+        ("End", last),
+        ("ArrowRight", last),
+        ("Home", 0),
+        ("ArrowLeft", 0),
+    ]:
+        page.keyboard.press(key)
+        expect_frame(page, frame)
+        expect(page.locator("#clock")).to_contain_text(f"frame {frame} ")
+
+
+def test_after_a_click_on_a_reading_the_arrow_keys_step_through_frames(open_report):
+    page = open_report(z2r.STANDIN)
+    page.locator("#switch label", has=page.locator("[value=yaw-swap]")).click()
+    page.wait_for_function("document.activeElement === document.body")
+    page.keyboard.press("ArrowRight")
+    expect_frame(page, 1)
+    expect(page.locator("[value=yaw-swap]")).to_be_checked()
+
+
+def test_the_keyboard_alone_reaches_everything(open_report):
+    page = open_report(z2r.STANDIN)
+    for name in ("right", "episode", "next", "play", "frame"):
+        page.keyboard.press("Tab")
+        assert page.evaluate("document.activeElement.id || document.activeElement.value") == name
+    page.keyboard.press("Shift+ArrowRight")
+    expect_frame(page, 10)
+    page.locator("[value=right]").focus()
+    page.keyboard.press("ArrowRight")  # in a group of radio buttons, arrows choose
+    expect(page.locator("[value=yaw-swap]")).to_be_checked()
+    expect_frame(page, 10)
+
+
+def test_it_plays_and_pauses(open_report):
+    page = open_report(z2r.STANDIN)
+    page.keyboard.press("Space")
+    expect(page.get_by_role("button", name="Pause")).to_be_visible()
+    expect(page.locator("#frame")).to_have_value(re.compile(r"^([3-9]|\d\d)$"))
+    page.get_by_role("button", name="Pause").click()
+    expect(page.get_by_role("button", name="Play")).to_be_visible()
+    page.keyboard.press("End")
+    page.get_by_role("button", name="Play").click()  # at the end, it begins again
+    expect(page.locator("#frame")).to_have_value(re.compile(r"^[1-3]?\d$"))
+
+
+def test_it_goes_on_playing_in_another_reading(open_report):
+    page = open_report(z2r.STANDIN)
+    first = int(z2r.load(z2r.STANDIN).episodes.from_index[3])
+    page.get_by_role("combobox", name="Episode").select_option("3")
+    page.get_by_role("button", name="Play").click()
+    read_as(page, "drop-boundaries")
+    page.wait_for_timeout(100)
+    assert int(page.locator("#frame").input_value()) >= first
+    before = page.locator("#frame").input_value()
+    expect(page.locator("#frame")).not_to_have_value(before)
+    expect(page.get_by_role("button", name="Pause")).to_be_visible()
+
+
+def test_the_mouse_scrubs_and_picks(open_report):
+    page = open_report(z2r.STANDIN)
+    episodes = z2r.load(z2r.STANDIN).episodes
+    plot = page.get_by_role("img", name="Distance over time")
+    box = plot.bounding_box()
+    plot.click(position={"x": box["width"] / 2, "y": 20})
+    expect_frame(page, round((episodes.lengths[0] - 1) / 2))
+    ribbon = page.get_by_role("img", name="Episodes by length")
+    middle = (episodes.from_index[4] + episodes.to_index[4]) / 2 / episodes.n_frames
+    ribbon.click(position={"x": middle * ribbon.bounding_box()["width"], "y": 15})
+    expect(page.get_by_role("combobox", name="Episode")).to_have_value("4")
+    expect(page.locator("#verdict")).to_have_text(f"{episodes.lengths[4]} frames, reached")
+    expect_frame(page, 0)
+    page.get_by_role("button", name="Next episode").click()
+    expect(page.get_by_role("combobox", name="Episode")).to_have_value("5")
+    expect(page.get_by_role("button", name="Next episode")).to_be_disabled()
+    page.get_by_role("button", name="Previous episode").click()
+    expect(page.get_by_role("combobox", name="Episode")).to_have_value("4")
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_a_reading_changes_the_percentage_and_the_table(name, open_report):
+    page = open_report(SHIPPED[name])
+    dataset = z2r.load(SHIPPED[name])
+    for reading in (*WRONG_READINGS, "right"):
+        read_as(page, reading)
+        outcome = z2r.inspect_dataset(dataset, None if reading == "right" else z2r.break_mode(reading)).outcome
+        expect(page.locator(".percent:visible")).to_have_text(f"{outcome.success_rate:.0%}")
+        expect(page.get_by_role("status")).to_contain_text(f"{outcome.n_reached} of {len(outcome.reached)}")
+        rows = page.locator("table.numeric:visible tbody tr")
+        expect(rows).to_have_count(len(outcome.reached))
+        assert rows.locator("td:last-child").all_inner_texts() == ["yes" if yes else "no" for yes in outcome.reached]
+
+
+EVERY_FRAME = """() => {
+  const [episode, frame] = [document.getElementById("episode"), document.getElementById("frame")];
+  const scene = document.getElementById("scene");
+  const text = (selector) => document.querySelector(selector).textContent;
+  const transform = (name) => scene.querySelector(name).getAttribute("transform");
+  const numbers = (name) => transform(name).match(/-?[\\d.]+(e-?\\d+)?/g).map(Number);
+  const seen = [];
+  for (let e = 0; e < episode.options.length; e++) {
+    episode.value = e;
+    episode.dispatchEvent(new Event("change"));
+    for (let i = 0; i <= Number(frame.max); i++) {
+      frame.value = i;
+      frame.dispatchEvent(new Event("input"));
+      const pusher = scene.querySelector(".pusher");
+      seen.push({
+        tee: numbers(".tee"),
+        target: numbers(".target"),
+        pusher: [Number(pusher.getAttribute("cx")), Number(pusher.getAttribute("cy"))],
+        state: [...document.querySelectorAll("[data-column]")].map((cell) => Number(cell.textContent)),
+        yaw: parseFloat(text("[data-yaw='0']")),
+        pos: parseFloat(text("#pos .value")),
+        ang: parseFloat(text("#ang .value")),
+        within: [...document.querySelectorAll(".mark")].map((mark) => mark.textContent.startsWith("\\u2713")),
+      });
+    }
+  }
+  return seen;
+}"""
+
+
+@pytest.mark.parametrize("reading", READINGS)
+@pytest.mark.parametrize("name", SHIPPED)
+def test_every_frame_is_drawn_as_the_package_reads_it(name, reading, open_report):
+    page = open_report(SHIPPED[name], script=NOW)
+    read_as(page, reading)
+    seen = page.evaluate(EVERY_FRAME)
+    dataset = z2r.load(SHIPPED[name])
+    schema, state = dataset.schema, dataset.read("observation.state")
+    rule = z2r.PUSHT if reading == "right" else z2r.break_mode(reading).reading(z2r.PUSHT)
+    columns, errors = z2r.named_columns(state, rule, schema), z2r.frame_errors(state, rule, schema)
+
+    def shown(field: str) -> np.ndarray:
+        return np.array([frame[field] for frame in seen])
+
+    for field, pose in (("tee", rule.tee), ("target", rule.target)):
+        expected = z2r.read_pose(columns, pose)
+        np.testing.assert_array_equal(shown(field)[:, :2], np.stack([expected.x, expected.y], axis=1))
+        np.testing.assert_allclose(shown(field)[:, 2], np.rad2deg(expected.yaw), atol=1e-9)
+    np.testing.assert_array_equal(shown("pusher"), np.stack([columns[axis] for axis in rule.pusher], axis=1))
+    np.testing.assert_allclose(shown("state")[:, :10], state, atol=5.1e-5)
+    np.testing.assert_allclose(shown("state")[:, 10:], dataset.read("action"), atol=5.1e-5)
+    np.testing.assert_allclose(shown("yaw"), z2r.read_pose(columns, rule.tee).yaw, atol=5.1e-5)
+    np.testing.assert_allclose(shown("pos"), errors.pos_err, atol=5.1e-5)
+    np.testing.assert_allclose(shown("ang"), errors.ang_err, atol=5.1e-5)
+    within = [errors.pos_err <= rule.pos_tol, errors.ang_err <= rule.ang_tol]
+    np.testing.assert_array_equal(shown("within"), np.transpose(within))
+    np.testing.assert_array_equal(shown("within").all(axis=1), z2r.in_tolerance(errors, rule))
+
+
+def test_the_formula_that_is_wrong_is_marked_and_the_other_is_not(open_report):
+    page = open_report(z2r.STANDIN)
+    changed = page.locator("code.changed")
+    expect(changed).to_have_count(0)
+    read_as(page, "yaw-swap")
+    expect(changed).to_have_text(["atan2(cos_tee_yaw, sin_tee_yaw)"])
+    read_as(page, "yaw-swap-everywhere")
+    expect(changed).to_have_count(2)
+
+
+def test_a_reading_keeps_the_frame_of_the_dataset_that_is_looked_at(open_report):
+    page = open_report(z2r.STANDIN)
+    episodes = z2r.load(z2r.STANDIN).episodes
+    page.get_by_role("combobox", name="Episode").select_option("3")
+    page.locator("#frame").focus()
+    page.keyboard.press("Shift+ArrowRight")
+    read_as(page, "drop-boundaries")
+    expect_frame(page, int(episodes.from_index[3]) + 10)
+    expect(page.locator("#verdict")).to_have_text(f"{episodes.n_frames} frames, reached")
+    read_as(page, "right")
+    expect(page.get_by_role("combobox", name="Episode")).to_have_value("3")
+    expect_frame(page, 10)
+
+
+def test_with_javascript_off_it_still_says_and_shows_what_is_in_the_dataset(open_report):
+    page = open_report(z2r.STANDIN, java_script_enabled=False)
+    expect(page.locator(".percent:visible")).to_have_text("100%")
+    expect(page.locator(".tally:visible")).to_contain_text("6 of 6 reached the target")
+    expect(page.get_by_role("cell", name="cos_target_yaw", exact=True)).to_be_visible()
+    expect(page.locator("table.numeric:visible tbody tr")).to_have_count(6)
+    expect(page.locator("#scene .tee")).to_be_visible()
+    expect(page.locator("#transport")).to_be_hidden()
+    expect(page.locator("#switch")).to_be_hidden()
+    dataset = z2r.load(z2r.STANDIN)
+    last = dataset.read("observation.state")[dataset.episodes[0]][-1:]
+    expected = z2r.frame_errors(last, z2r.PUSHT, dataset.schema)
+    expect(page.locator("#pos .value")).to_have_text(f"{expected.pos_err[0]:.4f} m")
+    expect(page.locator(".mark")).to_have_text(["✓ within 0.03 m", "✓ within 0.2 rad"])
+
+
+@pytest.mark.parametrize("kind", ["standin", "other robot", "hostile"])
+def test_a_phone_needs_no_scrolling_sideways(kind, open_report, standin_copy):
+    if kind == "hostile":
+        standin_copy = make_hostile(standin_copy)
+    if kind == "other robot":
+        path = standin_copy / "meta/info.json"
+        path.write_text(path.read_text().replace("tee_x", "cube_x" * 100))
+    page = open_report(standin_copy, viewport={"width": 390, "height": 844})
+    assert page.evaluate("document.documentElement.scrollWidth") == 390
+    assert (
+        page.evaluate(
+            "Math.max(...[...document.querySelectorAll('body *')].map((e) => e.getBoundingClientRect().right))"
+        )
+        <= 390
+    )
+
+
+def test_names_of_a_dataset_are_shown_and_never_run(open_report, standin_copy, other_robot):
+    page = open_report(make_hostile(other_robot))
+    assert page.locator("img[src], iframe").count() == 0
+    expect(page.get_by_role("heading", level=1)).to_contain_text("<img src=x")
+    expect(page.locator("figure", has_text=HOSTILE)).to_have_count(1)
+    expect(page.get_by_role("cell", name=HOSTILE)).to_have_count(1)
+
+
+def test_another_robot_gets_a_trace_for_every_dimension(open_report, standin_copy, other_robot):
+    page = open_report(other_robot)
+    dataset = z2r.load(other_robot)
+    expect(page.get_by_role("radio")).to_have_count(0)
+    expect(page.locator(".percent")).to_have_count(0)
+    values = np.concatenate([dataset.read("observation.state"), dataset.read("action")], axis=1)
+    expect(page.locator("#plots figure")).to_have_count(values.shape[1])
+    expect(page.get_by_text("dimensions 1 to 12")).to_be_hidden()
+    page.get_by_role("combobox", name="Episode").select_option("2")
+    page.locator("#frame").focus()
+    page.keyboard.press("ArrowRight")
+    expect_frame(page, 1)
+    shown = [float(text) for text in page.locator("#plots .value").all_inner_texts()]
+    np.testing.assert_allclose(shown, values[dataset.episodes.from_index[2] + 1], rtol=1e-4)
+
+
+def test_many_dimensions_are_drawn_some_at_a_time(open_report, standin_copy):
+    path = next(standin_copy.glob("data/*/*.parquet"))
+    table = pq.read_table(path)
+    force = np.tile(np.arange(30.0), (len(table), 1))
+    force[3, 1] = np.nan
+    pq.write_table(table.append_column("observation.force", pa.array(list(force))), path)
+    info = json.loads((standin_copy / "meta/info.json").read_text())
+    info["features"]["observation.state"]["names"] = None
+    info["features"]["observation.force"] = {"dtype": "float64", "shape": [30], "names": None}
+    (standin_copy / "meta/info.json").write_text(json.dumps(info))
+    page = open_report(standin_copy)
+    expect(page.locator("#which")).to_have_text("dimensions 1 to 12 of 42")
+    for _ in range(3):
+        page.get_by_role("button", name="Dimensions after").click()
+    expect(page.locator("#which")).to_have_text("dimensions 37 to 42 of 42")
+    expect(page.locator("#plots figcaption").last).to_contain_text("observation.force: [29] 29")
+    expect(page.get_by_role("button", name="Dimensions after")).to_be_disabled()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("kind", ["standin", "yaw-swap", "other robot", "phone"])
+def test_nothing_stands_in_the_way_of_assistive_technology(kind, scheme, open_report, standin_copy):
+    if kind == "other robot":
+        path = standin_copy / "meta/info.json"
+        path.write_text(path.read_text().replace("tee_x", "cube_x"))
+    size = {"width": 390, "height": 844} if kind == "phone" else {"width": 1280, "height": 900}
+    page = open_report(standin_copy, viewport=size, color_scheme=scheme, reduced_motion="reduce")
+    if kind == "yaw-swap":
+        read_as(page, "yaw-swap")
+    page.keyboard.press("ArrowRight")
+    results = Axe().run(page)
+    assert results.response["passes"]
+    assert not results.response["violations"], results.generate_report()
+
+
+def test_the_panel_of_a_notebook_works_and_cannot_reach_out_of_its_frame(open_file, tmp_path):
+    panel = z2r.panel(z2r.load(z2r.STANDIN))
+    (tmp_path / "notebook.html").write_text(f"<!doctype html><p id=here>text</p>{panel._repr_html_()}")
+    page = open_file(tmp_path / "notebook.html")
+    frame = page.frame_locator("iframe")
+    expect(frame.locator(".percent:visible")).to_have_text("100%")
+    frame.locator("[value=yaw-swap]").check()
+    expect(frame.locator(".percent:visible")).to_have_text("0%")
+    assert (
+        page.frames[1].evaluate("(() => { try { return parent.document.title } catch (e) { return e.name } })()")
+        == "SecurityError"
+    )
+
+
+def test_where_frames_are_taken_out_of_a_notebook_a_still_is_there(open_file, tmp_path):
+    html = z2r.panel(z2r.load(z2r.STANDIN))._repr_html_()
+    (tmp_path / "notebook.html").write_text(f"<!doctype html>{html.partition('<iframe')[0]}")
+    page = open_file(tmp_path / "notebook.html", java_script_enabled=False)
+    expect(page.get_by_text("6 of 6")).to_be_visible()
+    box = page.locator("img").bounding_box()
+    assert box["height"] == pytest.approx(box["width"], rel=0.05)
