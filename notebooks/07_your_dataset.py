@@ -371,5 +371,6 @@ print(f"reached: {sum(reached)} of {len(reached)}, success: {sum(success)} of {l
 # - **understand** a `DatasetError`: the file, what was found, what was expected, what to do;
 # - **decide** with seven questions whether to train.
 #
-# Next: the course ends here, so take a dataset of your own and change one line, `DATASET`. If you came here first,
-# begin with [What is in this robot dataset?](00_start_here.ipynb)
+# Next: take a dataset of your own and change one line, `DATASET`. Then
+# [What is wrong with this dataset?](08_field_guide.ipynb) shows ten ways in which one can be wrong, and how to notice.
+# If you came here first, begin with [What is in this robot dataset?](00_start_here.ipynb)

@@ -5,6 +5,7 @@ which colour-blind people tell apart, and nothing is told by colour alone. A fig
 shows it once: where it is the last expression of a cell.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from z2r import drawing
 from z2r.angles import decode_yaw, wrap_angle
 from z2r.dataset import Dataset
 from z2r.episodes import EpisodeIndex
+from z2r.field_guide import Change
 from z2r.overlap import pusher_in_block
 from z2r.reading import PoseColumns, Reading, named_columns, read_pose
 from z2r.schema import Schema
@@ -26,6 +28,11 @@ from z2r.success import FrameErrors, frame_errors, in_tolerance
 _RIBBON_POINTS = 7.2 * 72  # about how wide the ribbon is on the page
 _NEAR = 0.1  # m: what is farther from the block than this says nothing about overlap
 _MAX_NUMBERS = 12  # more would hide what they number
+_COLUMNS = (
+    *("episodes\ngone", "other\nlength", "reached\nis wrong"),
+    *("final\npos_err", "final\nang_err", "picture", "action", "speed"),
+)
+_MAX_CHECKS = 2  # names that fit in one cell
 
 
 @drawing.in_style
@@ -322,6 +329,87 @@ def two_poses(
     turn = np.rad2deg(wrap_angle(got[2] - expected[2]))
     axes.set_title(f"{label}: {distance:.3f} m away and turned by {turn:+.1f}°")
     return figure
+
+
+@drawing.in_style
+def action_and_motion(action: drawing.Array, velocity: drawing.Array, fps: float) -> Figure:
+    """Draw what was asked of the pusher and what it did, along one axis.
+
+    Parameters
+    ----------
+    action : ndarray, float64[n_frames]
+        The velocity that the action of each frame asks for [m/s], at least two frames.
+    velocity : ndarray, float64[n_frames - 1]
+        How fast the pusher went from each frame to the next [m/s].
+    fps : float
+        Frames a second.
+
+    Raises
+    ------
+    ValueError
+        If there are fewer than two frames, or not one velocity less than actions.
+    """
+    if len(action) < 2 or len(velocity) != len(action) - 1:
+        raise ValueError(f"found {len(action)} actions and {len(velocity)} velocities, expected 2 or more and one less")
+    figure = drawing.new_figure(8, 2.9)
+    axes = figure.subplots()
+    time = np.arange(len(action)) / fps
+    axes.plot(time, action, "o", color=drawing.BLUE, markersize=7, fillstyle="none", gid="action")
+    axes.plot(time[:-1], velocity, "x-", color=drawing.VERMILLION, markersize=6, linewidth=1, gid="motion")
+    axes.set(xlabel="time of the frame [s]", ylabel="velocity [m/s]")
+    axes.set_title("ring: what the action of a frame asks, cross: what the pusher then does")
+    return figure
+
+
+@drawing.in_style
+def what_changes(changes: Sequence[Change]) -> Figure:
+    """Draw what each break mode changes, and which checks of the audit notice it.
+
+    Parameters
+    ----------
+    changes : sequence of Change
+        From `z2r.field_guide.what_changes`, at least one.
+
+    Raises
+    ------
+    ValueError
+        If there is none.
+    """
+    if not changes:
+        raise ValueError("found no change, expected at least one")
+    figure = drawing.new_figure(11.5, 1 + 0.36 * len(changes))
+    axes = figure.subplots()
+    axes.set(xlim=(-0.5, 10.7), ylim=(len(changes) - 0.4, -0.6), xticks=range(len(_COLUMNS)), xticklabels=_COLUMNS)
+    axes.set(yticks=range(len(changes)), yticklabels=[change.name for change in changes])
+    axes.text(7.6, -0.7, "checks of the audit\nthat find it", va="bottom")
+    axes.tick_params(length=0, labeltop=True, labelbottom=False)
+    axes.spines[["left", "bottom"]].set_visible(False)
+    for row, change in enumerate(changes):
+        axes.axhline(row + 0.5, color=drawing.GREY, linewidth=0.3)
+        for column, text in enumerate(_marks(change)):
+            style: dict[str, Any] = {"boxstyle": "round,pad=0.25", "edgecolor": drawing.WRONG, "facecolor": "none"}
+            axes.text(column, row, text or "·", ha="center", va="center", bbox=style if text else None)
+        axes.text(7.6, row, _noticed(change), va="center", weight="normal" if change.checks else "bold")
+    return figure
+
+
+def _marks(change: Change) -> list[str]:
+    """Say of each column by how much it changes; empty where it does not."""
+    counts = [f"{count}" if count else "" for count in (change.missing, change.lengths, change.reached)]
+    errors = [
+        f"{change.pos_err:.2f} m" if change.pos_err else "",
+        f"{change.ang_err:.2f} rad" if change.ang_err else "",
+    ]
+    shares = [f"{100 * share:.0f} %" if share else "" for share in (change.picture, change.action)]
+    return [*counts, *errors, *shares, "" if change.speed == 1 else f"{change.speed:.0f} x"]
+
+
+def _noticed(change: Change) -> str:
+    if change.is_dormant:
+        return "nothing to find here"
+    more = len(change.checks) - _MAX_CHECKS
+    names = ", ".join(change.checks[:_MAX_CHECKS]) or "NONE"
+    return f"{names}, {more} more" if more > 0 else names
 
 
 def _yaws_that_differ(reading: Reading, other: Reading) -> list[str]:

@@ -1,0 +1,128 @@
+"""Copies that are laid out anew say what the original says, and a damage is what its name says."""
+
+import hashlib
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from test_dataset import oracle
+
+import z2r
+from z2r.damage import delay_actions, shift_ranges, split, swap_sine_and_cosine, turn_half
+from z2r.schema import ACTION, STATE
+
+FEATURES = (STATE, ACTION)
+
+
+def checks(root: Path) -> set[str]:
+    return {finding.check for finding in z2r.audit(root).findings}
+
+
+def fingerprint(root: Path) -> dict[str, str]:
+    files = (path for path in root.rglob("*") if path.is_file())
+    return {str(path.relative_to(root)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
+
+
+@pytest.fixture
+def copy(tmp_path: Path) -> Path:
+    return Path(shutil.copytree(z2r.MESSY, tmp_path / "copy"))
+
+
+@pytest.mark.parametrize("root", [z2r.STANDIN, z2r.MESSY])
+@pytest.mark.parametrize("episodes_per_file", [1, 5, 100])
+def test_a_split_copy_says_what_the_original_says(root, episodes_per_file, tmp_path):
+    before = fingerprint(root)
+    right, copied = z2r.load(root), z2r.load(split(root, tmp_path / "copy", episodes_per_file))
+    assert fingerprint(root) == before
+    assert copied.episodes.to_index.tolist() == right.episodes.to_index.tolist()
+    for feature in FEATURES:
+        np.testing.assert_array_equal(copied.read(feature), right.read(feature))
+    assert len(copied.files) == -(-len(right.episodes) // episodes_per_file)
+    assert len(list((copied.root / "meta/episodes").rglob("*.parquet"))) == 3
+
+
+def test_only_the_names_of_its_files_are_a_hazard(tmp_path):
+    assert checks(split(z2r.MESSY, tmp_path / "one")) == {"file-order"}
+    assert not checks(split(z2r.MESSY, tmp_path / "five", episodes_per_file=5))  # fewer than ten files
+
+
+def test_what_is_split_can_be_split_again(tmp_path):
+    twice = split(split(z2r.MESSY, tmp_path / "once"), tmp_path / "twice", episodes_per_file=2)
+    np.testing.assert_array_equal(z2r.load(twice).read(STATE), z2r.load(z2r.MESSY).read(STATE))
+    assert not checks(twice)
+
+
+def test_lerobot_reads_the_same_values_where_names_sort_like_numbers(tmp_path):
+    other = oracle(split(z2r.MESSY, tmp_path / "copy", episodes_per_file=2))
+    right = z2r.load(z2r.MESSY)
+    assert list(other.meta.episodes["dataset_to_index"]) == right.episodes.to_index.tolist()
+    for frame in (0, 85, 500, 1107):
+        np.testing.assert_array_equal(other[frame]["observation.state"].numpy(), right.read(STATE)[frame])
+
+
+def test_lerobot_mixes_up_the_frames_where_they_do_not(tmp_path):
+    """What the page says of it: LeRobot 0.6.1 sorts data files by name."""
+    root = split(z2r.MESSY, tmp_path / "copy")
+    other, dataset = oracle(root), z2r.load(root)
+    believed = z2r.break_mode("name-sorted-files").dataset(dataset)
+    first_of_third = int(dataset.episodes.from_index[2])
+    frame = other[first_of_third]
+    assert frame["episode_index"] == 10
+    np.testing.assert_array_equal(frame["observation.state"].numpy(), believed.read(STATE)[first_of_third])
+
+
+def test_nothing_is_overwritten(tmp_path, copy):
+    before = fingerprint(copy)
+    with pytest.raises(FileExistsError):
+        split(z2r.MESSY, copy)
+    with pytest.raises(ValueError, match="outside"):
+        split(copy, copy / "inside")
+    with pytest.raises(ValueError, match="1 or more"):
+        split(copy, tmp_path / "other", episodes_per_file=0)
+    assert fingerprint(copy) == before
+
+
+def test_half_a_turn_changes_every_sign_and_nothing_else(copy):
+    right = z2r.inspect_dataset(z2r.load(copy)).outcome
+    turn_half(copy)
+    dataset = z2r.load(copy)
+    for feature in FEATURES:
+        np.testing.assert_array_equal(dataset.read(feature), -z2r.load(z2r.MESSY).read(feature))
+    turned = z2r.inspect_dataset(dataset).outcome
+    np.testing.assert_allclose(turned.final_pos_err, right.final_pos_err, atol=1e-9)
+    np.testing.assert_allclose(turned.final_ang_err, right.final_ang_err, atol=1e-6)
+    assert not checks(copy)
+
+
+def test_an_error_that_is_not_wrapped_shows_after_half_a_turn(copy):
+    turn_half(copy)
+    audit = z2r.audit(copy, z2r.break_mode("no-wrap"))
+    assert "yaw-error" in {finding.check for finding in audit.findings}
+
+
+def test_ranges_that_begin_late(copy):
+    before = z2r.load(copy).episodes
+    shift_ranges(copy)
+    after = z2r.load(copy).episodes
+    assert (after.from_index - before.from_index).tolist() == [0] + [1] * 13
+    assert (after.to_index - before.to_index).tolist() == [1] * 13 + [0]
+    assert {"episode-column", "leap"} <= checks(copy)
+
+
+def test_swapped_names(copy):
+    swap_sine_and_cosine(copy)
+    names = z2r.load(copy).schema.features[STATE].dim_names
+    assert names[4:6] + names[8:] == ("cos_tee_yaw", "sin_tee_yaw", "cos_target_yaw", "sin_target_yaw")
+    assert z2r.inspect_dataset(z2r.load(copy)).outcome.n_reached == 11
+    assert "overlap" in checks(copy)
+
+
+def test_delayed_actions_leave_every_statistic_right(copy):
+    right = z2r.load(z2r.MESSY)
+    delay_actions(copy)
+    late = z2r.load(copy)
+    for episode in range(len(late.episodes)):
+        part = late.episodes[episode]
+        np.testing.assert_array_equal(late.read(ACTION)[part][1:], right.read(ACTION)[part][:-1])
+    assert checks(copy) == {"action-motion"}

@@ -1,0 +1,122 @@
+"""What the field guide says of each break mode is what happens, and its figure shows it."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+import z2r
+from z2r import figures
+from z2r.breaks import BREAK_MODES
+from z2r.damage import split, turn_half
+from z2r.field_guide import Change, what_changes
+
+DORMANT_IN_ONE_FILE = {"no-wrap", "first-shard-only", "stale-file-pointer", "name-sorted-files"}
+# What each mode changes in a copy with a file for each episode; no-wrap waits for a target that points elsewhere.
+CHANGED = {
+    "yaw-swap": "reached ang_err picture",
+    "drop-boundaries": "missing lengths pos_err ang_err picture action",
+    "yaw-swap-everywhere": "picture",
+    "no-wrap": "",
+    "inclusive-end": "lengths reached pos_err ang_err picture action",
+    "first-shard-only": "missing picture action",
+    "stale-file-pointer": "missing picture action",
+    "name-sorted-files": "reached pos_err ang_err picture action",
+    "wrong-reference-point": "reached pos_err picture",
+    "degrees-for-radians": "reached",
+    "first-frame-for-last": "reached pos_err ang_err",
+    "wrong-fps": "speed",
+    "action-lag": "action",
+}
+NOBODY_NOTICES = {"no-wrap", "degrees-for-radians"}
+
+
+@pytest.fixture(scope="module")
+def root(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return split(z2r.MESSY, tmp_path_factory.mktemp("guide") / "split")
+
+
+@pytest.fixture(scope="module")
+def changes(root) -> dict[str, Change]:
+    return {change.name: change for change in what_changes(root)}
+
+
+def test_there_is_one_for_each_mode_in_their_order(changes):
+    assert list(changes) == list(BREAK_MODES) == list(CHANGED)
+
+
+@pytest.mark.parametrize("mode", CHANGED)
+def test_each_mode_changes_what_it_is_about_and_nothing_else(mode, changes):
+    change = changes[mode]
+    fields = ("missing", "lengths", "reached", "pos_err", "ang_err", "picture", "action")
+    changed = {field for field in fields if getattr(change, field)} | ({"speed"} if change.speed != 1 else set())
+    assert changed == set(CHANGED[mode].split())
+    assert change.is_dormant == (not changed)
+    assert bool(change.checks) == (mode not in NOBODY_NOTICES)
+    assert "file-order" not in change.checks
+
+
+@pytest.mark.parametrize("mode", BREAK_MODES)
+def test_the_counts_are_those_of_an_inspection(mode, changes, root):
+    inspection, change = z2r.inspect_dataset(z2r.load(root), z2r.break_mode(mode)), changes[mode]
+    assert (change.n_episodes, change.n_reached) == (len(inspection.episodes), inspection.outcome.n_reached)
+    assert change.missing == 14 - change.n_episodes
+
+
+def test_how_much_is_what_one_computes_by_hand(changes):
+    dataset = z2r.load(z2r.MESSY)
+    lengths = dataset.episodes.lengths
+    assert changes["yaw-swap"].ang_err == pytest.approx(1.5708, abs=1e-3)
+    assert changes["first-shard-only"].picture == pytest.approx(lengths[5:].sum() / lengths.sum())
+    assert changes["inclusive-end"].picture == pytest.approx(13 / (1108 + 13))
+    assert changes["action-lag"].action == pytest.approx(1 - 14 / 1108)
+    assert changes["wrong-fps"].speed == 3
+
+
+def test_modes_about_files_are_dormant_where_there_is_one():
+    assert {change.name for change in what_changes(z2r.MESSY) if change.is_dormant} == DORMANT_IN_ONE_FILE
+
+
+def test_no_wrap_wakes_on_the_other_side_of_the_table(root, tmp_path):
+    turned = Path(shutil.copytree(root, tmp_path / "turned"))
+    turn_half(turned)
+    [change] = what_changes(turned, [z2r.break_mode("no-wrap")])
+    assert not change.is_dormant
+    assert change.ang_err > 6
+    assert change.checks == ("yaw-error",)
+
+
+def test_another_robot_is_refused(standin_copy):
+    path = standin_copy / "meta/info.json"
+    path.write_text(path.read_text().replace("tee_x", "cube_x"))
+    with pytest.raises(ValueError, match="without tee_x"):
+        what_changes(standin_copy)
+
+
+def test_the_figure_has_a_row_for_each_and_marks_what_changes(changes):
+    axes = figures.what_changes(list(changes.values())).axes[0]
+    assert [label.get_text() for label in axes.get_yticklabels()] == list(changes)
+    marked = {(round(text.get_position()[1]), text.get_position()[0]) for text in axes.texts if text.get_bbox_patch()}
+    columns = ("missing", "lengths", "reached", "pos_err", "ang_err", "picture", "action", "speed")
+    expected = {(row, columns.index(field)) for row, fields in enumerate(CHANGED.values()) for field in fields.split()}
+    assert marked == expected
+    said = [text.get_text() for text in axes.texts]
+    assert said.count("nothing to find here") == said.count("NONE") == 1
+    with pytest.raises(ValueError, match="at least one"):
+        figures.what_changes([])
+
+
+def test_action_and_motion_are_drawn_frame_by_frame():
+    figure = figures.action_and_motion([0.1, 0.2, 0.3], [0.1, 0.2], 10)
+    action, motion = (line.get_xydata() for line in figure.axes[0].lines)
+    assert action[:, 0].tolist() == [0.0, 0.1, 0.2]
+    assert motion[:, 1].tolist() == [0.1, 0.2]
+    with pytest.raises(ValueError, match="one less"):
+        figures.action_and_motion([0.1, 0.2], [0.1, 0.2], 10)
+
+
+@pytest.mark.parametrize("mode", [mode for mode in BREAK_MODES.values() if mode.met])
+def test_a_case_is_an_address_that_the_course_links_to(mode):
+    pages = Path(z2r.__file__).parents[1] / "notebooks"
+    assert f"({mode.met})" in (pages / "08_field_guide.py").read_text()
+    assert mode.met.startswith("https://github.com/")
