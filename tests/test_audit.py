@@ -1,0 +1,516 @@
+"""Every damage of the bench is named by the audit, none is silent, and nothing is said of a dataset that is whole."""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+from damages import (
+    BASES,
+    DAMAGES,
+    DATA,
+    EPISODES,
+    INFO,
+    POSITIONS,
+    SIN_COS,
+    STATE,
+    TARGET_SIN_COS,
+    change_values,
+    edit_column,
+    edit_feature,
+    edit_info,
+    fingerprint,
+    flip,
+    make,
+    set_at,
+    truncate,
+)
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from layouts import (
+    BOOKKEEPING,
+    FEATURES,
+    SHARD_PATH,
+    Layout,
+    data_files,
+    lay_out,
+    lay_out_again,
+    shard_files,
+    write_dataset,
+)
+
+import z2r
+from z2r.checks.findings import CHECKS
+from z2r.episodes import COLUMNS
+from z2r.pusht.task import ACTION_NAMES
+
+pytestmark = pytest.mark.filterwarnings("error")  # a warning of numpy would end up on the screen
+
+
+def said(audit: z2r.Audit) -> str:
+    return "\n".join(f"[{finding.check}] {finding}" for finding in audit.findings) or "nothing"
+
+
+# --- every damage
+
+
+@pytest.fixture
+def opened(monkeypatch: pytest.MonkeyPatch) -> Iterator[set[Path]]:
+    """What is opened, links followed: by Python itself, and by pyarrow."""
+    paths: set[Path] = set()
+    watching = [paths]
+
+    def watch(event: str, args: tuple) -> None:
+        if event == "open" and watching and isinstance(args[0], str | os.PathLike):
+            paths.add(Path(args[0]).absolute())
+
+    class ParquetFile(pq.ParquetFile):
+        def __init__(self, source, *args, **kwargs):
+            paths.add(Path(source).absolute())
+            super().__init__(source, *args, **kwargs)
+
+    sys.addaudithook(watch)
+    monkeypatch.setattr(pq, "ParquetFile", ParquetFile)
+    yield paths
+    watching.clear()
+
+
+def outside(opened: set[Path], root: Path) -> set[Path]:
+    """Files that are no business of an audit: beside the dataset, but for the verdict, and of the system."""
+    beside = {path for path in opened if path.is_relative_to(root.parent) or path.is_relative_to("/etc")}
+    real = {path.resolve() for path in beside if path.is_file()}
+    return {path for path in real if not path.is_relative_to(root) and not path.name.endswith(".verdict.json")}
+
+
+@pytest.mark.parametrize("kind", DAMAGES)
+def test_a_damage_is_named(kind, tmp_path, opened):
+    damage, root = DAMAGES[kind], tmp_path / "dataset"
+    make(kind, root)
+    before = fingerprint(tmp_path)
+    opened.clear()
+    audit = z2r.audit(root)
+    assert not outside(opened, root)
+    assert fingerprint(tmp_path) == before
+    assert any(
+        finding.check in damage.checks.split()
+        and finding.file.startswith(damage.file)
+        and damage.says in str(finding)
+        and (damage.harmless or finding.severity != "note")
+        for finding in audit.findings
+    ), said(audit)
+    assert audit.exit_code == (2 if not audit.readable else 0 if damage.harmless else 1)
+    for finding in audit.findings:
+        assert str(finding).isprintable()
+        assert len(str(finding)) <= 400
+
+
+# --- no damage
+
+
+@pytest.mark.parametrize("base", sorted(BASES.keys() - {"unpadded"}))
+def test_nothing_is_said_of_a_whole_dataset(base, tmp_path):
+    BASES[base](tmp_path / "dataset")
+    audit = z2r.audit(tmp_path / "dataset")
+    assert not audit.findings, said(audit)
+    assert audit.exit_code == 0
+
+
+def turn_the_world(root: Path) -> None:
+    """Turn the table that everything stands on by half a turn: the same story, seen from the other side."""
+    everything = (*POSITIONS, *SIN_COS, *TARGET_SIN_COS, *ACTION_NAMES)
+    BASES["split"](root)
+    change_values(everything, np.negative)(root)
+
+
+def mirror_the_world(root: Path) -> None:
+    """Look at it in a mirror; the block looks the same in it."""
+    BASES["split"](root)
+    change_values(["pusher_x", "tee_x", "target_x", "sin_tee_yaw", "sin_target_yaw", "pusher_vx"], np.negative)(root)
+
+
+def shift_the_world(root: Path) -> None:
+    BASES["split"](root)
+    change_values(POSITIONS, lambda values: values + 0.25)(root)
+
+
+@pytest.mark.parametrize("change", [turn_the_world, mirror_the_world, shift_the_world])
+def test_nothing_is_said_of_the_same_story_seen_from_elsewhere(change, tmp_path):
+    change(tmp_path / "dataset")
+    audit = z2r.audit(tmp_path / "dataset")
+    assert not audit.findings, said(audit)
+
+
+@pytest.mark.parametrize("name", ["STANDIN", "MESSY"])
+def test_nothing_is_said_of_what_is_shipped_with_its_verdict(name):
+    audit = z2r.audit(getattr(z2r, name))
+    assert not audit.findings, said(audit)
+    assert audit.not_checked
+
+
+def test_nothing_is_said_of_what_lerobot_records(recorded, tmp_path):
+    root = Path(shutil.copytree(recorded, tmp_path / "dataset"))
+    forget_names(root)
+    audit = z2r.audit(root)
+    assert not audit.findings, said(audit)
+    assert (audit.n_episodes, audit.n_frames) == (12, 202)
+
+
+def forget_names(root: Path) -> None:
+    """Take random frames for what they are: no pusher, no block."""
+    edit_feature(root, STATE, names=None)
+    edit_feature(root, "action", names=None)
+
+
+@st.composite
+def layouts(draw):
+    """Lengths of episodes, and how many of them each data file and each shard holds."""
+    lengths = draw(st.lists(st.integers(1, 30), min_size=1, max_size=12))
+
+    def parts() -> list[int]:
+        cuts = sorted(draw(st.sets(st.integers(1, len(lengths) - 1)))) if len(lengths) > 1 else []
+        return np.diff([0, *cuts, len(lengths)]).tolist()
+
+    return lengths, parts(), parts()
+
+
+@settings(max_examples=40)
+@given(layout=layouts(), chunk_size=st.integers(1, 4), seed=st.integers(0, 99))
+def test_nothing_is_said_of_any_layout(layout, chunk_size, seed):
+    with tempfile.TemporaryDirectory() as folder:
+        root = Path(folder) / "dataset"
+        lay_out(root, *layout, seed=seed, chunk_size=chunk_size)
+        forget_names(root)
+        audit = z2r.audit(root)
+        assert not audit.findings, said(audit)
+        assert (audit.n_episodes, audit.n_frames) == (len(layout[0]), sum(layout[0]))
+
+
+def test_nothing_is_said_of_thousands_of_episodes(tmp_path):
+    lengths = np.random.default_rng(0).integers(1, 9, 3000)
+    lay_out(tmp_path / "dataset", lengths, files=[250] * 12, shards=[1000] * 3)
+    forget_names(tmp_path / "dataset")
+    audit = z2r.audit(tmp_path / "dataset")
+    assert not audit.findings, said(audit)
+    assert audit.n_episodes == 3000
+
+
+def test_nothing_is_said_of_episodes_of_hours(tmp_path):
+    """The timestamps of LeRobot are float32: after an hour, a step between two of them is more than the tolerance."""
+    lay_out(tmp_path / "dataset", [80_000, 1, 2], files=[2, 1], shards=[3])
+    forget_names(tmp_path / "dataset")
+    audit = z2r.audit(tmp_path / "dataset")
+    assert not audit.findings, said(audit)
+
+
+def test_nothing_is_said_of_hundreds_of_files(tmp_path):
+    n = 250
+    lay_out(tmp_path / "dataset", [1] * n, files=[1] * n, shards=[1] * n)
+    forget_names(tmp_path / "dataset")
+    audit = z2r.audit(tmp_path / "dataset")
+    assert not audit.findings, said(audit)
+
+
+def rest_now_and_then(state: np.ndarray, action: np.ndarray) -> None:
+    """A fixed target, a gripper that stays shut, an action that nobody uses: constant everywhere, and nothing wrong."""
+    state[:, 2] = 0.1
+    action[:, 1] = 0
+
+
+def rest_in_some_episodes(state: np.ndarray, action: np.ndarray) -> None:
+    """A joint that 3 of 8 demonstrations do not need."""
+    state[60:150, 2] = state[60, 2]
+
+
+def rest_in_a_short_episode(state: np.ndarray, action: np.ndarray) -> None:
+    state[-10:, 2] = state[-1, 2]
+
+
+def switch(state: np.ndarray, action: np.ndarray) -> None:
+    """A gripper that one demonstration never closes."""
+    state[:, 2] = np.arange(len(state)) % 30 > 20
+    state[30:60, 2] = 0
+
+
+def drift(state: np.ndarray, action: np.ndarray) -> None:
+    """Slow motion far from the origin: rounding is large, steps are small."""
+    state[:] = 1000 + np.arange(len(state))[:, None] * 1e-3
+
+
+@pytest.mark.parametrize("names", [None, ["x", "y", "held"]])
+@pytest.mark.parametrize("how", [rest_now_and_then, rest_in_some_episodes, rest_in_a_short_episode, switch, drift])
+def test_a_column_that_rests_is_no_dead_joint(how, names, tmp_path):
+    rng = np.random.default_rng(0)
+    state, action = (rng.uniform(-1, 1, (250, size)).astype(np.float32) for size in (3, 2))
+    how(state, action)
+    features = FEATURES | BOOKKEEPING
+    features |= {
+        STATE: {"dtype": "float32", "shape": [3], "names": names},
+        "action": {"dtype": "float32", "shape": [2], "names": None},
+    }
+    layout = Layout([9], [9], episode_stats=True)
+    write_dataset(tmp_path / "dataset", {STATE: state, "action": action}, [30] * 8 + [10], layout, features=features)
+    audit = z2r.audit(tmp_path / "dataset")
+    assert not audit.findings, said(audit)
+
+
+# --- a random change is never silent
+
+FEW = settings(max_examples=30)
+
+
+@pytest.fixture(scope="module")
+def split(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    root = tmp_path_factory.mktemp("split") / "dataset"
+    lay_out_again(z2r.MESSY, root, Layout([3, 4, 1, 4, 2], [5, 6, 3]))
+    return root
+
+
+def copied(source: Path, folder: str) -> Path:
+    return Path(shutil.copytree(source, Path(folder) / "dataset"))
+
+
+numbers = st.one_of(st.integers(-3, 20), st.integers(-(2**63), 2**63 - 1), st.sampled_from([313, 314, 1108, 10**9]))
+
+
+@FEW
+@given(column=st.sampled_from(COLUMNS), shard=st.integers(0, 2), row=st.integers(0, 2), value=numbers)
+def test_a_random_value_in_the_episode_metadata_is_not_silent(split, column, shard, row, value):
+    with tempfile.TemporaryDirectory() as folder:
+        root = copied(split, folder)
+        file = SHARD_PATH.format(chunk_index=0, file_index=shard)
+        if pq.read_table(root / file).column(column)[row].as_py() == value:
+            return
+        edit_column(root, file, column, set_at(row, value))
+        assert z2r.audit(root).exit_code == 1
+
+
+@FEW
+@given(
+    column=st.sampled_from(["frame_index", "episode_index", "index", "task_index"]), row=st.integers(0), value=numbers
+)
+def test_a_random_number_in_the_bookkeeping_is_not_silent(split, column, row, value):
+    with tempfile.TemporaryDirectory() as folder:
+        root = copied(split, folder)
+        values = pq.read_table(root / DATA).column(column)
+        if values[row % len(values)].as_py() == value:
+            return
+        edit_column(root, DATA, column, set_at(row, value))
+        assert z2r.audit(root).exit_code == 1
+
+
+@FEW
+@given(row=st.integers(0), value=st.floats(width=32))
+def test_a_random_timestamp_is_not_silent(split, row, value):
+    with tempfile.TemporaryDirectory() as folder:
+        root = copied(split, folder)
+        values = pq.read_table(root / DATA).column("timestamp")
+        if abs(values[row % len(values)].as_py() - value) < 1e-3:
+            return
+        edit_column(root, DATA, "timestamp", set_at(row, value))
+        assert z2r.audit(root).exit_code == 1
+
+
+PLACES = (INFO, EPISODES, "meta/tasks.parquet", "meta/stats.json", DATA)
+
+
+@FEW
+@given(file=st.sampled_from(PLACES), share=st.floats(0, 0.999))
+def test_a_file_that_is_cut_anywhere_is_named(file, share):
+    with tempfile.TemporaryDirectory() as folder:
+        root = copied(z2r.STANDIN, folder)
+        truncate(root / file, share)
+        audit = z2r.audit(root)
+        assert any(finding.file == file for finding in audit.findings), said(audit)
+
+
+@settings(max_examples=100)
+@given(file=st.sampled_from([EPISODES, "meta/tasks.parquet", DATA]), place=st.integers(0), mask=st.integers(1, 255))
+def test_a_flipped_byte_is_named_if_it_changes_what_matters(file, place, mask):
+    with tempfile.TemporaryDirectory() as folder:
+        root = copied(z2r.STANDIN, folder)
+        whole = pq.read_table(root / file)
+        flip(root / file, place % (root / file).stat().st_size, mask)
+        audit = z2r.audit(root)
+        if matters(whole, root / file):
+            assert audit.findings
+
+
+def matters(whole: pa.Table, path: Path) -> bool:
+    """Tell whether a file cannot be read any more, or says something else that the audit is there to see.
+
+    A number that is off by less than what statistics can show is not, nor are quantiles, which are estimates; and
+    nobody misses a statistic of an episode.
+    """
+    seen = [name for name in whole.column_names if not re.search("/q[0-9]+$|^task$|^tasks$|^meta/", name)]
+    try:
+        present = pq.ParquetFile(path).schema_arrow.names
+        seen = [name for name in seen if name in present or not name.startswith("stats/")]
+        found = pq.ParquetFile(path).read(columns=seen)
+    except Exception:
+        return True
+    return found.schema.names != seen or any(differs(whole.column(name), found.column(name)) for name in seen)
+
+
+def differs(before: pa.ChunkedArray, after: pa.ChunkedArray) -> bool:
+    if before.type != after.type or len(before) != len(after) or after.null_count:
+        return not before.equals(after)
+    before, after = (np.array(column.to_pylist(), dtype=float) for column in (before, after))
+    return before.shape != after.shape or not np.allclose(before, after, rtol=1e-2, atol=1e-2)
+
+
+# --- what else the audit says
+
+
+BREAKS = {
+    # the check that must see it, and in which dataset
+    "yaw-swap": ("overlap", "split"),
+    "drop-boundaries": ("leap", "split"),
+    "yaw-swap-everywhere": ("overlap", "split"),
+    "no-wrap": ("yaw-error", "turned"),
+    "inclusive-end": ("range-overlap", "split"),
+    "first-shard-only": ("totals", "split"),
+    "stale-file-pointer": ("episode-order", "split"),
+    "name-sorted-files": ("episode-column", "unpadded"),
+    "wrong-reference-point": ("overlap", "split"),
+    "degrees-for-radians": ("verdict", "shipped"),
+    "first-frame-for-last": ("decisive-frame", "split"),
+    "wrong-fps": ("timestamp", "split"),
+    "action-lag": ("action-motion", "split"),
+}
+
+
+@pytest.mark.parametrize("mode", z2r.BREAK_MODES)
+def test_a_break_mode_leaves_its_trace(mode, tmp_path):
+    check, base = BREAKS[mode]
+    root = z2r.STANDIN if base == "shipped" else tmp_path / "dataset"
+    if base != "shipped":
+        (turn_the_world if base == "turned" else BASES[base])(root)
+    assert check in {finding.check for finding in z2r.audit(root, z2r.BREAK_MODES[mode]).findings}
+
+
+def test_what_leaves_no_trace(split):
+    """The target's yaw is 0: no difference is more than half a turn, wrapped or not."""
+    assert not z2r.audit(split, z2r.break_mode("no-wrap")).findings
+
+
+def test_every_check_is_made_to_fail_by_some_damage():
+    named = {check for damage in DAMAGES.values() for check in damage.checks.split()}
+    assert named | {check for check, _ in BREAKS.values()} == set(CHECKS)
+
+
+def test_findings_come_in_the_order_of_the_checks(standin_copy):
+    edit_info(standin_copy, total_frames=3, splits={"train": "0:9"})
+    edit_column(standin_copy, DATA, "timestamp", set_at(100, 99.0))
+    order = [list(CHECKS).index(finding.check) for finding in z2r.audit(standin_copy).findings]
+    assert order == sorted(order)
+    assert len(set(order)) >= 3
+
+
+def test_a_fault_in_every_file_does_not_hide_the_others(tmp_path):
+    n = 40
+    lay_out(tmp_path / "dataset", [3] * n, files=[1] * n, shards=[n])
+    forget_names(tmp_path / "dataset")
+    for path in data_files(tmp_path / "dataset"):
+        edit_column(tmp_path / "dataset", str(path.relative_to(tmp_path / "dataset")), "index", lambda v: [9] * len(v))
+    edit_info(tmp_path / "dataset", total_tasks=7)
+    audit = z2r.audit(tmp_path / "dataset")
+    assert {"index-column", "totals"} <= {finding.check for finding in audit.findings}
+    assert len(audit.findings) < 20
+    assert sum(finding.check == "index-column" for finding in audit.findings) + audit.more["index-column"] >= n - 1
+
+
+def test_what_cannot_be_read_is_said_to_be_unchecked(tmp_path):
+    BASES["split"](tmp_path / "dataset")
+    data_files(tmp_path / "dataset")[1].write_bytes(b"")
+    audit = z2r.audit(tmp_path / "dataset")
+    assert any("1 of 5 data files" in line for line in audit.not_checked)
+    assert audit.n_frames == sum(
+        pq.read_metadata(path).num_rows for i, path in enumerate(data_files(tmp_path / "dataset")) if i != 1
+    )
+
+
+def test_a_reading_that_does_not_fit_is_said_to_be_unchecked(standin_copy):
+    forget_names(standin_copy)
+    audit = z2r.audit(standin_copy)
+    assert not audit.findings, said(audit)
+    assert len(audit.not_checked) > len(z2r.audit(z2r.STANDIN).not_checked)
+
+
+def test_progress_is_told_of_every_file(split):
+    told = []
+    z2r.audit(split, progress=lambda done, total: told.append((done, total)))
+    assert told == [(done, 5) for done in range(1, 6)]
+
+
+def test_thousands_of_bad_rows_are_one_line(tmp_path):
+    BASES["split"](tmp_path / "dataset")
+    for path in shard_files(tmp_path / "dataset"):
+        edit_column(tmp_path / "dataset", str(path.relative_to(tmp_path / "dataset")), "length", lambda v: [1] * len(v))
+    lines = [finding for finding in z2r.audit(tmp_path / "dataset").findings if finding.check == "range-length"]
+    assert len(lines) == 1
+    assert "13 more" in str(lines[0])
+
+
+# --- the command
+
+
+def run(*args: object, cwd: Path) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-c", "from z2r.cli import main; main()", "audit", *map(str, args)]
+    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=60, check=False)
+
+
+def test_the_command_on_a_whole_dataset(tmp_path):
+    result = run(cwd=tmp_path)
+    assert (result.returncode, result.stderr) == (0, "")
+    assert "not checked" in result.stdout.lower()
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("kind", "code"),
+    [("total_frames off by 17", 1), ("info missing", 2), ("no episode metadata", 2), ("stats missing", 1)],
+)
+def test_the_command_on_a_damaged_one(kind, code, tmp_path):
+    make(kind, tmp_path / "dataset")
+    result = run(tmp_path / "dataset", cwd=tmp_path)
+    assert result.returncode == code
+    assert "Traceback" not in result.stdout + result.stderr
+    assert DAMAGES[kind].checks in result.stdout
+    assert DAMAGES[kind].file in result.stdout
+
+
+KEYS = {
+    "source",
+    "exit_code",
+    "n_episodes",
+    "n_frames",
+    "n_errors",
+    "n_warnings",
+    "n_notes",
+    "findings",
+    "more",
+    "not_checked",
+}
+
+
+@pytest.mark.parametrize(("kind", "code"), [(None, 0), ("a timestamp jump", 1), ("info missing", 2)])
+def test_json_is_the_audit_and_nothing_else(kind, code, tmp_path):
+    root = tmp_path / "dataset"
+    make(kind, root) if kind else shutil.copytree(z2r.STANDIN, root)
+    result = run(root, "--json", cwd=tmp_path)
+    told = json.loads(result.stdout)
+    assert (result.returncode, told["exit_code"], result.stderr) == (code, code, "")
+    assert told.keys() >= KEYS
+    assert told == z2r.audit(root).to_dict("dataset")
+    for finding in told["findings"]:
+        assert finding.keys() >= {"check", "severity", "file", "field", "found", "expected", "mend"}
+        assert finding["severity"] in ("error", "warning", "note")
