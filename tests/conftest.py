@@ -1,10 +1,12 @@
 import os
 import shutil
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
 from layouts import record_with_lerobot
+from playwright.sync_api import Browser, sync_playwright
 
 import z2r
 
@@ -12,6 +14,17 @@ os.environ["HF_HUB_OFFLINE"] = "1"
 
 settings.register_profile("z2r", deadline=None)  # a busy machine is no fault of the code
 settings.load_profile("z2r")
+
+CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
+CHROMIUM_FLAGS = [
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-gpu",
+    "--disable-quic",
+    "--disable-sync",
+    "--no-first-run",
+    "--no-sandbox",
+]
 
 RECORDED_LENGTHS = (1, 40, 7, 1, 1, 25, 60, 3, 18, 1, 33, 12)
 
@@ -28,3 +41,14 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def standin_copy(tmp_path: Path) -> Path:
     """A copy of the shipped dataset, to be damaged."""
     return Path(shutil.copytree(z2r.STANDIN, tmp_path / "standin"))
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    if CHROMIUM is None:
+        reason = "no chromium: apt-get install chromium"
+        pytest.fail(reason) if os.environ.get("Z2R_REQUIRE_BROWSER") else pytest.skip(reason)
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=CHROMIUM_FLAGS)
+        yield browser
+        browser.close()

@@ -1,7 +1,5 @@
 """Run All in JupyterLab, by the menu, in a browser: what a learner does first."""
 
-import os
-import shutil
 import socket
 import subprocess
 import sys
@@ -14,20 +12,10 @@ from pathlib import Path
 import nbformat
 import pytest
 from notebook_tools import code_cells, committed, without_outputs
-from playwright.sync_api import Page, expect, sync_playwright
+from playwright.sync_api import Browser, Page, expect
 
 from z2r.course import ROOT, kernel_variables
 
-CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
-FLAGS = [
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-gpu",
-    "--disable-quic",
-    "--disable-sync",
-    "--no-first-run",
-    "--no-sandbox",
-]
 STEM = "00_start_here"
 UNTRUSTED = "with_outputs.ipynb"
 SECONDS = 1000  # of Playwright, which counts in milliseconds
@@ -77,15 +65,11 @@ def wait_for(address: str, process: subprocess.Popen[bytes], log: Path) -> None:
 
 
 @pytest.fixture
-def page() -> Iterator[Page]:
-    if CHROMIUM is None:
-        reason = "no chromium: apt-get install chromium"
-        pytest.fail(reason) if os.environ.get("Z2R_REQUIRE_BROWSER") else pytest.skip(reason)
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        # As high as the whole notebook, since JupyterLab draws only the cells that are in view.
-        yield browser.new_page(viewport={"width": 1300, "height": 8000})
-        browser.close()
+def page(browser: Browser) -> Iterator[Page]:
+    # As high as the whole notebook, since JupyterLab draws only the cells that are in view.
+    page = browser.new_page(viewport={"width": 1300, "height": 8000})
+    yield page
+    page.close()
 
 
 def test_run_all_finishes_and_draws_the_figures(page, server, tmp_path):

@@ -1,7 +1,6 @@
 """The page that shows a dataset, in a browser: opened from disk, without a network."""
 
 import json
-import os
 import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -11,8 +10,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 from axe_playwright_python.sync_playwright import Axe
-from playwright.sync_api import Browser, Page, expect, sync_playwright
-from test_jupyterlab import CHROMIUM, FLAGS
+from playwright.sync_api import Browser, Page, expect
 from test_report import HOSTILE, make_hostile
 
 import z2r
@@ -23,17 +21,6 @@ READINGS = ("right", *WRONG_READINGS)
 NOW = "window.requestAnimationFrame = (draw) => { draw(performance.now()); return 0; }"
 
 type Open = Callable[..., Page]
-
-
-@pytest.fixture(scope="session")
-def browser() -> Iterator[Browser]:
-    if CHROMIUM is None:
-        reason = "no chromium: apt-get install chromium"
-        pytest.fail(reason) if os.environ.get("Z2R_REQUIRE_BROWSER") else pytest.skip(reason)
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        yield browser
-        browser.close()
 
 
 @pytest.fixture

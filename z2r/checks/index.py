@@ -31,83 +31,78 @@ class Runs(NamedTuple):
 
 def check_rows(rows: Rows) -> Iterator[Finding]:
     """Do the ranges of the episode metadata follow each other?"""
-    yield from _first_wrong("episode-order", "episode_index", rows.number, np.arange(len(rows.number)), rows)
-    yield from _first_wrong("range-length", "length", rows.length, rows.stop - rows.start, rows)
     ends_before = np.concatenate([[0], rows.stop[:-1]])
     empty = rows.stop <= rows.start
-    for check, wrong, expected in (
-        ("range-length", empty, "more than dataset_from_index, "),
-        ("range-overlap", (rows.start < ends_before) & ~empty, ""),
-        ("range-gap", (rows.start > ends_before) & ~empty, ""),
-    ):
-        if not wrong.any():
-            continue
+    begins, ends = "dataset_from_index", "dataset_to_index"
+    follows = ", where the episode before ends"
+    yield from _wrong_row("episode-order", "episode_index", rows, rows.number, np.arange(len(rows.number)))
+    yield from _wrong_row("range-length", "length", rows, rows.length, rows.stop - rows.start)
+    yield from _wrong_row("range-length", ends, rows, rows.stop, rows.start, empty, before="more than ")
+    overlap, gap = (rows.start < ends_before) & ~empty, (rows.start > ends_before) & ~empty
+    yield from _wrong_row("range-overlap", begins, rows, rows.start, ends_before, overlap, after=follows)
+    yield from _wrong_row("range-gap", begins, rows, rows.start, ends_before, gap, after=follows)
+
+
+def _wrong_row(
+    check: str,
+    field: str,
+    rows: Rows,
+    told: Ints,
+    expected: Ints,
+    wrong: NDArray[np.bool_] | None = None,
+    before: str = "",
+    after: str = "",
+) -> Iterator[Finding]:
+    """Name the first wrong row of the metadata; wrong is, unless given, what is not as expected."""
+    wrong = told != expected if wrong is None else wrong
+    if wrong.any():
         row = int(wrong.argmax())
-        found, wanted = (rows.stop, rows.start) if expected else (rows.start, ends_before)
-        yield error(
-            check,
-            EPISODES_DIR,
-            f"{'dataset_to_index' if expected else 'dataset_from_index'} of episode {rows.number[row]}",
-            f"{found[row]}{and_more(wrong)}",
-            f"{expected}{wanted[row]}" + ("" if expected else ", where the episode before ends"),
-            "The episode metadata was written or edited wrong: rebuild it from the columns of the frames",
-        )
+        place = f"{field} in row {row}" if field == "episode_index" else f"{field} of episode {rows.number[row]}"
+        mend = "The episode metadata was written or edited wrong: rebuild it from the columns of the frames"
+        found = f"{told[row]}{and_more(wrong)}"
+        yield error(check, EPISODES_DIR, place, found, f"{before}{expected[row]}{after}", mend)
 
 
 def check_runs(rows: Rows, runs: Runs, files: Sequence[Path], read: Sequence[int]) -> Iterator[Finding]:
     """Does the episode metadata say of each episode what the frames say? Of `files`, those at `read` could be read."""
     order = np.argsort(rows.number, kind="stable")
-    place = np.minimum(np.searchsorted(rows.number[order], runs.number), len(order) - 1)
-    row = order[place]
+    row = order[np.minimum(np.searchsorted(rows.number[order], runs.number), len(order) - 1)]
     unknown = rows.number[row] != runs.number
-    if unknown.any():
-        run = int(unknown.argmax())
-        yield error(
-            "episode-column",
-            files[runs.file[run]],
-            f"episode_index of frame {runs.start[run]}",
-            f"{runs.number[run]}{and_more(unknown)}",
-            "an episode that is in meta/episodes",
-            "If the recording crashed, `z2r inspect --salvage` reads the episodes that are in both",
-        )
-    repeated = np.ones(len(runs.number), dtype=bool)
-    repeated[np.unique(runs.number, return_index=True)[1]] = False
-    if repeated.any():
-        run = int(repeated.argmax())
-        yield error(
-            "episode-column",
-            files[runs.file[run]],
-            f"episode_index of frame {runs.start[run]}",
-            f"{runs.number[run]} again{and_more(repeated)}",
-            "the frames of an episode side by side",
-        )
-    known = ~unknown & ~repeated
-    yield from _pointers(rows, runs, row, known, files)
-    alone = known & ~np.isin(runs.number, runs.number[repeated])
-    for field, told, seen in (
-        ("dataset_from_index", rows.start[row], runs.start),
-        ("dataset_to_index", rows.stop[row], runs.stop),
-    ):
-        wrong = alone & (told != seen)
-        if wrong.any():
-            run = int(wrong.argmax())
-            yield error(
-                "episode-column",
-                EPISODES_DIR,
-                f"{field} of episode {runs.number[run]}",
-                f"{told[run]}{and_more(wrong)}",
-                f"{seen[run]}, as episode_index in {files[runs.file[run]].as_posix()} says",
-            )
+    again = np.ones(len(runs.number), dtype=bool)
+    again[np.unique(runs.number, return_index=True)[1]] = False
+    crashed = "If the recording crashed, `z2r inspect --salvage` reads the episodes that are in both"
+    yield from _wrong_run(runs, files, unknown, "", "an episode that is in meta/episodes", crashed)
+    yield from _wrong_run(runs, files, again, " again", "the frames of an episode side by side", "")
+    once = ~unknown & ~np.isin(runs.number, runs.number[again])
+    yield from _pointers(rows, runs, row, ~unknown & ~again, files)
+    yield from _ranges(runs, files, "dataset_from_index", rows.start[row], runs.start, once)
+    yield from _ranges(runs, files, "dataset_to_index", rows.stop[row], runs.stop, once)
     missing = ~np.isin(rows.number, runs.number) & np.isin(rows.file, read)
     if missing.any():
         episode = int(missing.argmax())
-        yield error(
-            "episode-column",
-            files[rows.file[episode]] if len(files) else "data",
-            "episode_index",
-            f"no frame of episode {rows.number[episode]}{and_more(missing)}",
-            f"{rows.length[episode]} frames",
-        )
+        found, expected = f"no frame of episode {rows.number[episode]}{and_more(missing)}", rows.length[episode]
+        yield error("episode-column", files[rows.file[episode]], "episode_index", found, f"{expected} frames")
+
+
+def _wrong_run(
+    runs: Runs, files: Sequence[Path], wrong: NDArray[np.bool_], what: str, expected: str, mend: str
+) -> Iterator[Finding]:
+    if wrong.any():
+        run = int(wrong.argmax())
+        found = f"{runs.number[run]}{what}{and_more(wrong)}"
+        place = f"episode_index of frame {runs.start[run]}"
+        yield error("episode-column", files[runs.file[run]], place, found, expected, mend)
+
+
+def _ranges(
+    runs: Runs, files: Sequence[Path], field: str, told: Ints, seen: Ints, once: NDArray[np.bool_]
+) -> Iterator[Finding]:
+    wrong = once & (told != seen)
+    if wrong.any():
+        run = int(wrong.argmax())
+        expected = f"{seen[run]}, as episode_index in {files[runs.file[run]].as_posix()} says"
+        found = f"{told[run]}{and_more(wrong)}"
+        yield error("episode-column", EPISODES_DIR, f"{field} of episode {runs.number[run]}", found, expected)
 
 
 def _pointers(rows: Rows, runs: Runs, row: Ints, known: NDArray[np.bool_], files: Sequence[Path]) -> Iterator[Finding]:
@@ -202,14 +197,6 @@ def check_task_index(task_index: Ints, tasks: Ints | None, path: Path) -> Iterat
         found = f"{task_index[row]}{and_more(wrong)}"
         expected = f"one of the {len(tasks)} in meta/tasks.parquet"
         yield error("task-index", path, f"task_index in row {row}", found, expected)
-
-
-def _first_wrong(check: str, field: str, told: Ints, expected: Ints, rows: Rows) -> Iterator[Finding]:
-    wrong = told != expected
-    if wrong.any():
-        row = int(wrong.argmax())
-        place = f"{field} in row {row}" if field == "episode_index" else f"{field} of episode {rows.number[row]}"
-        yield error(check, EPISODES_DIR, place, f"{told[row]}{and_more(wrong)}", f"{expected[row]}")
 
 
 def and_more(wrong: NDArray[np.bool_]) -> str:

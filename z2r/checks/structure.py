@@ -212,13 +212,13 @@ def read_stats(root: Path) -> tuple[dict[str, dict[str, Any]], list[Finding]]:
 
 def check_videos(root: Path, schema: Schema, totals: Totals) -> Iterator[Finding]:
     """Is every video there that the episode metadata names, and no other?"""
-    known = set()
+    known: set[str] = set()
     for name in (name for name, feature in schema.features.items() if feature.dtype == "video"):
         try:
             paths = _named_videos(root, name, _video_template(root, totals))
         except DatasetError as fault:
             yield from_fault("video-file", fault, root)
-            continue
+            return
         for path in paths:
             yield from _check_video(root, path)
         known.update(paths)
