@@ -132,7 +132,8 @@ print(f"ang_err by hand, z2r: {ang_err:.4f} {errors.ang_err[-1]:.4f}")
 
 # %% [markdown]
 # This is the function. Compare it with your four lines. `named_columns` picks the columns by their names, and
-# `read_pose` decodes the yaw.
+# `read_pose` decodes the yaw. That the difference of two yaws is wrapped stands in the reading, as `wraps`, so that
+# [a later notebook](08_field_guide.ipynb) can get it wrong on purpose.
 
 # %%
 show_source(z2r.frame_errors)
@@ -160,7 +161,7 @@ print("ang_err in its band from frame", np.argmax(errors.ang_err <= task.ANG_TOL
 # ## Decide
 #
 # An episode **reached** the target when its last stored frame is within both tolerances. That is our rule, and it is
-# short.
+# short. Which frame is decisive stands in the reading too: in the right one, the last.
 
 # %%
 show_source(z2r.episode_reached)

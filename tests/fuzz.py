@@ -200,7 +200,8 @@ def resize(table: pa.Table, name: str, rng: random.Random) -> pa.Table:
         for value in table.column(name).to_pylist()
     ]
     kind = table.schema.field(name).type
-    return put_column(table, name, values, pa.list_(kind.value_type) if pa.types.is_nested(kind) else kind)
+    is_list = pa.types.is_list(kind) or pa.types.is_fixed_size_list(kind)
+    return put_column(table, name, values, pa.list_(kind.value_type) if is_list else kind)
 
 
 def drop(table: pa.Table, name: str, _: random.Random) -> pa.Table:
