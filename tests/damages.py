@@ -675,6 +675,9 @@ ON_INFO: dict[str, Damage] = {
     "a name that is no text": Damage(
         lambda root: edit_feature(root, STATE, names=["pusher_x", 7, *STATE_NAMES[2:]]), "info", INFO, "names"
     ),
+    "a name misspelt": Damage(
+        lambda root: edit_feature(root, STATE, names=["pusher_X", *STATE_NAMES[1:]]), "info", INFO, "pusher_x"
+    ),
     "a name too few": Damage(
         lambda root: edit_feature(root, STATE, names=list(STATE_NAMES[:9])), "info", INFO, "names"
     ),

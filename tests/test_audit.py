@@ -49,7 +49,7 @@ from layouts import (
 )
 
 import z2r
-from z2r.checks.findings import CHECKS
+from z2r.checks import CHECKS
 from z2r.episodes import COLUMNS
 from z2r.pusht.task import ACTION_NAMES
 
@@ -361,7 +361,10 @@ def matters(whole: pa.Table, path: Path) -> bool:
 def differs(before: pa.ChunkedArray, after: pa.ChunkedArray) -> bool:
     if before.type != after.type or len(before) != len(after) or after.null_count:
         return not before.equals(after)
-    before, after = (np.array(column.to_pylist(), dtype=float) for column in (before, after))
+    try:
+        before, after = (np.array(column.to_pylist(), dtype=float) for column in (before, after))
+    except ValueError:  # rows of different length, which the whole column has not
+        return True
     return before.shape != after.shape or not np.allclose(before, after, rtol=1e-2, atol=1e-2)
 
 

@@ -57,7 +57,7 @@ def imports(path: Path) -> set[str]:
             found |= {alias.name for alias in node.names}
         elif node.module and node.module.startswith("z2r."):
             inner = node.module.removeprefix("z2r.")
-            found |= {inner} if inner in LAYER else {f"{inner}.{alias.name}" for alias in node.names}
+            found |= ({inner} | {f"{inner}.{alias.name}" for alias in node.names}) & set(LAYER)
     return found
 
 

@@ -7,6 +7,7 @@ itself in one place against what it says in another, and goes on.
 import os
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
+from difflib import get_close_matches
 from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -16,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from z2r.breaks import BreakMode
-from z2r.checks import frames, index, physics, values
-from z2r.checks.findings import CHECKS, Finding, from_fault, warning
+from z2r.checks import CHECKS, frames, index, physics, values
+from z2r.checks.findings import Finding, from_fault, warning
 from z2r.checks.story import Story, believe, read_story
 from z2r.checks.structure import Ints
 from z2r.dataset import Frames, in_threads
@@ -25,7 +26,7 @@ from z2r.episodes import EpisodeIndex
 from z2r.errors import DatasetError
 from z2r.parquet import open_parquet
 from z2r.reading import PUSHT, Reading
-from z2r.schema import ACTION, BOOKKEEPING, MAX_SIGNAL_SIZE, Schema, inside
+from z2r.schema import ACTION, BOOKKEEPING, INFO_PATH, MAX_SIGNAL_SIZE, Schema, inside
 from z2r.verdict import read_verdict, verdict_path
 
 MAX_OF_A_CHECK = 5  # findings in detail: a fault that is in every file would hide the others
@@ -145,7 +146,11 @@ def audit(
         return _ended(story.findings)
     bases = _first_frames(root, story)
     parts = _fold_files(root, story, bases, reading, progress)
-    findings = [*story.findings, *_judge(root, story, parts, bases, reading)]
+    findings = [
+        *story.findings,
+        *_check_names(reading, story.schema),
+        *_judge(root, story, parts, bases, reading),
+    ]
     n_frames = sum(part.n_rows or 0 for part in parts)
     return _audit(findings, _not_checked(story, parts, reading), len(story.rows.number), n_frames, readable=True)
 
@@ -278,6 +283,16 @@ def _judge_verdict(root: Path, story: Story, reached: NDArray[np.bool_]) -> Iter
         return
     if verdict and len(reached) == len(story.episodes):
         yield from physics.check_verdict(reached, story.episodes, verdict, name)
+
+
+def _check_names(reading: Reading, schema: Schema) -> Iterator[Finding]:
+    """Is a name of the reading misspelt? Then the reading does not fit, and nothing says what the columns mean."""
+    feature = schema.features.get(reading.feature)
+    others = [name for name in (feature.dim_names if feature else ()) if name not in reading.names]
+    for name in reading.missing(schema):
+        for close in get_close_matches(name, others, n=1, cutoff=0.85):
+            mend = "If it is this column, mend its name: without it, nothing says what the columns mean"
+            yield warning("info", INFO_PATH, f"features.{reading.feature}.names", close, name, mend)
 
 
 def _fits(reading: Reading, schema: Schema) -> bool:

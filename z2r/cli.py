@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import rich_click as click
 
 from z2r.breaks import BREAK_MODES, BreakMode, break_mode
+from z2r.checks import CHECKS
 from z2r.data import SHIPPED
 from z2r.errors import DatasetError, MissingExtraError
 from z2r.pusht.task import DEMO_NOISE, MAX_STEPS
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 
 _SMOKE_STEPS = 40
 _SHIPPED_EPISODES = 6
+_CHECKS_HELP = "What each check asks:\n\n" + "\n\n".join(f"- `{name}`: {asks}" for name, asks in CHECKS.items())
 _MODES_HELP = "What each MODE believes:\n\n" + "\n\n".join(
     f"- `{mode.name}`: {mode.assumption}" for mode in BREAK_MODES.values()
 )
@@ -126,7 +128,7 @@ def report(dataset: Path | None, out: Path) -> None:
     _report(_find(dataset), out)
 
 
-@cli.command()
+@cli.command(epilog=_CHECKS_HELP)
 @click.argument("dataset", type=click.Path(path_type=Path), required=False)
 @click.option(
     "--break",

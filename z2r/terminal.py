@@ -14,7 +14,8 @@ from rich.table import Table
 from rich.text import Text
 
 from z2r.breaks import BreakMode
-from z2r.checks.findings import CHECKS, Finding, Severity
+from z2r.checks import CHECKS
+from z2r.checks.findings import Finding, Severity
 from z2r.errors import printable
 from z2r.inspection import Inspection
 from z2r.schema import Schema
