@@ -1628,6 +1628,7 @@ ON_VALUES: dict[str, Damage] = {
     ),
     "3 frames dropped in one episode": Damage(in_one(3, lambda n: np.r_[0:30, 33:n]), "leap", DATA, "frame 247"),
     "10 frames dropped in one episode": Damage(in_one(2, lambda n: np.r_[0:30, 40:n]), "leap", DATA, "frame 171"),
+    "a demonstration twice": Damage(reorder(lambda e: [*e[:4], e[1], *e[4:]]), "twin", "data", "episode 1 again"),
     "two episodes merged": Damage(reorder(lambda e: [e[0], joined(e[1], e[2]), *e[3:]]), "leap", DATA, "frame 141"),
     "all episodes merged": Damage(reorder(lambda e: [joined(*e)]), "leap", DATA),
     "one episode split in two": Damage(

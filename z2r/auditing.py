@@ -268,6 +268,7 @@ def _judge_runs(root: Path, story: Story, parts: Sequence[_Part], bases: Sequenc
         yield from values.check_jumps(name, signals[name], stats[name], runs.number)
         yield from values.check_frozen(name, signals[name], stats[name], runs.number)
     yield from values.check_dead(story.schema, stats)
+    yield from values.check_twins(stats, signals, runs.number)
     if all(part.n_rows for part in parts):
         yield from values.check_stats(story.stats, stats, story.schema)
     run_of_episode = {number: run for run, number in enumerate(runs.number.tolist())}

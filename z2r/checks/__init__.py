@@ -33,6 +33,7 @@ CHECKS: dict[str, str] = {
     "unit-circle": "sin² + cos² is 1 for every angle that is stored as (sin, cos)",
     "jump": "no value leaps many times further than it ever does elsewhere",
     "frozen": "no sensor stands still for an episode while it moves in the others",
+    "twin": "no demonstration is there twice",
     "stats": "the stored statistics are those of the data",
     # reading
     "action-range": "no action is beyond what the robot can do",

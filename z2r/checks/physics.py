@@ -127,15 +127,13 @@ def check_verdict(
             "verdict", name, "episodes", found, f"{len(episodes)} with {episodes.n_frames}, as the index says"
         )
         return
-    failed = np.array([each.success for each in verdict.episodes]) & ~reached
-    if failed.any():
+    success = np.array([each.success for each in verdict.episodes])
+    lost = success & ~reached
+    if lost.any():
+        place = f"success of episode {int(lost.argmax())}"
+        found = f"true, while it is read as not reached ({lost.sum()} of {success.sum()} successes are)"
         yield error(
-            "verdict",
-            name,
-            f"success of episode {int(failed.argmax())}",
-            f"true, and {int(failed.sum())} of {len(failed)} episodes that succeeded are read as not reached",
-            "every success read as reached",
-            "The reading is wrong, or its tolerances are",
+            "verdict", name, place, found, "every success read as reached", "The reading or its tolerances are wrong"
         )
 
 

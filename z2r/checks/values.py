@@ -1,7 +1,7 @@
 """Are the values what a sensor gives? Summed up for each run of frames, so that no file stays in memory."""
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -164,6 +164,23 @@ def check_frozen(name: str, feature: Feature, stats: RunStats, numbers: Ints) ->
         found = f"{stats.low[run, column]:.4g} in all {stats.n[run]:.0f} frames{and_more(wrong[:, column])}"
         place = f"{name}{_dim(feature, column)} in episode {numbers[run]}"
         yield warning("frozen", "data", place, found, "a value that moves, as in the other episodes")
+
+
+def check_twins(runs: Mapping[str, RunStats], signals: Collection[str], numbers: Ints) -> Iterator[Finding]:
+    """Is the same demonstration there twice? Every sum of every feature is the same then, to the last bit."""
+    stats = [stats for name, stats in runs.items() if name in signals]
+    if not stats:
+        return
+    rows = np.concatenate([column.reshape(len(numbers), -1) for each in stats for column in each], axis=1)
+    first: dict[bytes, int] = {}
+    long = np.flatnonzero(stats[0].n >= _LONG)
+    twins = [(run, twin) for run in long.tolist() if (twin := first.setdefault(rows[run].tobytes(), run)) != run]
+    if twins:
+        run, twin = twins[0]
+        more = f" (and {len(twins) - 1:,} more like it)" if len(twins) > 1 else ""
+        found = f"episode {numbers[twin]} again, frame for frame{more}"
+        mend = "It counts twice in training, and may stand on both sides of a split"
+        yield warning("twin", "data", f"episode {numbers[run]}", found, "every demonstration once", mend)
 
 
 def check_dead(schema: Schema, runs: Mapping[str, RunStats]) -> Iterator[Finding]:
