@@ -152,7 +152,7 @@ def audit(
         *_judge(root, story, parts, bases, reading),
     ]
     n_frames = sum(part.n_rows or 0 for part in parts)
-    return _audit(findings, _not_checked(story, parts, reading), len(story.rows.number), n_frames, readable=True)
+    return _audit(findings, _not_checked(root, story, parts, reading), len(story.rows.number), n_frames, readable=True)
 
 
 class _Part(NamedTuple):
@@ -301,7 +301,7 @@ def _fits(reading: Reading, schema: Schema) -> bool:
     return not reading.missing(schema) and action is not None and set(reading.velocity) <= set(action.dim_names)
 
 
-def _not_checked(story: Story, parts: Sequence[_Part], reading: Reading) -> tuple[str, ...]:
+def _not_checked(root: Path, story: Story, parts: Sequence[_Part], reading: Reading) -> tuple[str, ...]:
     """Say what nobody looked at."""
     schema = story.schema
     missing = []
@@ -314,6 +314,10 @@ def _not_checked(story: Story, parts: Sequence[_Part], reading: Reading) -> tupl
         missing.append("success: nothing says what it would be")
     elif not all(part.sums for part in parts):
         missing.append("the reading: the state or the action of some file cannot be used")
+    elif not verdict_path(root).is_file():
+        missing.append(
+            "whether the tolerances are those of the task: no verdict of the simulator is beside the dataset"
+        )
     pictures = [name for name, feature in schema.features.items() if not feature.is_numeric]
     if pictures:
         missing.append(f"pictures and text: {', '.join(pictures[:_SOME])} (only that the files are there)")

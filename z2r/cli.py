@@ -52,8 +52,14 @@ def cli() -> None:
 @cli.command(epilog=_MODES_HELP)
 @click.argument("dataset", type=click.Path(path_type=Path), required=False)
 @click.option("--episodes", type=click.IntRange(min=1), metavar="N", help="Read the first N episodes only.")
-@click.option("--seed", type=click.IntRange(min=0), metavar="S", help="Record episodes afresh, from this seed on.")
-@click.option("--smoke", is_flag=True, help=f"Record afresh, cut episodes at {_SMOKE_STEPS} frames, write no .rrd.")
+@click.option(
+    "--seed", type=click.IntRange(min=0), metavar="S", help="Record afresh, from this seed on. Needs `z2r[record]`."
+)
+@click.option(
+    "--smoke",
+    is_flag=True,
+    help=f"Record afresh, with at most {_SMOKE_STEPS} frames an episode, and no .rrd. Needs `z2r[record]`.",
+)
 @click.option(
     "--break",
     "break_name",
@@ -88,7 +94,7 @@ def inspect(
     DATASET is the folder of a LeRobot v3 dataset, or the name of one that comes with the package: `standin` (read
     where none is named) or `messy`. It is never written to.
 
-    A dataset stores no success. It is reconstructed: the block's last stored pose, held against the target.
+    A dataset seldom stores success. It is reconstructed: the block's last stored pose, held against the target.
 
     - `z2r inspect my_dataset` reads yours
     - `z2r inspect --break yaw-swap` reads it wrong, to show what that looks like
@@ -123,7 +129,8 @@ def report(dataset: Path | None, out: Path) -> None:
 
     DATASET is named as for `z2r inspect`. It is never written to.
 
-    The page is one file that any browser opens from disk. It needs no network and no server, so it can be mailed.
+    The page is one file that any browser opens from disk. It needs no network and no server, so it can be mailed. It
+    stays below 5 MB: of a large dataset, it holds the frames of the first episodes, and the sums of all.
     """
     _report(_find(dataset), out)
 
@@ -135,7 +142,7 @@ def report(dataset: Path | None, out: Path) -> None:
     "break_name",
     type=click.Choice(list(BREAK_MODES)),
     metavar="MODE",
-    help="Audit what somebody believes who reads it wrong: is it noticed? `z2r inspect --help` names the modes.",
+    help="Audit it as it is read under one of the mistakes that `z2r inspect --help` names: is it noticed?",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the findings as JSON and nothing else.")
 def audit(dataset: Path | None, break_name: str | None, as_json: bool) -> None:
@@ -143,9 +150,9 @@ def audit(dataset: Path | None, break_name: str | None, as_json: bool) -> None:
 
     DATASET is named as for `z2r inspect`. It is never written to.
 
-    A dataset tells of its episodes three times, in the metadata, in the columns of its frames, and in its totals: they
-    are held against each other. So are its values against its statistics, and its reading against what solid bodies can
-    do. At the end it says what nobody looked at.
+    A dataset describes its episodes in three places: the metadata, the columns of its frames, and its totals. They are
+    compared. So are its values with its statistics, and its reading with what solid bodies can do. At the end it says
+    what was not checked.
 
     The exit code is 0 where there is no error and no warning, 1 where there is one, and 2 where the dataset cannot be
     read.

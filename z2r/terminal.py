@@ -14,7 +14,6 @@ from rich.table import Table
 from rich.text import Text
 
 from z2r.breaks import BreakMode
-from z2r.checks import CHECKS
 from z2r.checks.findings import Finding, Severity
 from z2r.errors import printable
 from z2r.inspection import Inspection
@@ -97,7 +96,7 @@ def _finding(finding: Finding) -> RenderableType:
 def _verdict(audit: "Audit") -> Text:
     counts = Counter(finding.severity for finding in audit.findings)
     if not counts:
-        return Text(f"nothing wrong was found in {len(CHECKS)} checks", style="bold green")
+        return Text("nothing wrong was found", style="bold green")
     said = ", ".join(_count(counts[severity], severity) for severity in _SEVERITY_STYLES if counts[severity])
     return Text(said, style="bold red" if counts["error"] else "bold yellow" if counts["warning"] else "bold")
 

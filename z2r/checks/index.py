@@ -178,7 +178,7 @@ def check_timestamps(timestamp: NDArray[np.float64], frame_index: Ints, fps: flo
     off_everywhere = step > 1e-9 and abs(step * fps - 1) > 0.01
     found = f"{timestamp[row]:g} s{and_more(wrong)}"
     wanted = f"{expected[row]:g} s, which is frame {frame_index[row]} at {fps:g} fps"
-    mend = f"Its frames are {step:.3g} s apart, which would be {1 / step:.3g} fps" if off_everywhere else ""
+    mend = f"Its frames are {step:.3g} s apart: if that is right, fps is {1 / step:.3g}" if off_everywhere else ""
     yield error("timestamp", path, f"timestamp in row {row}", found, wanted, mend)
     backwards = np.concatenate([[False], (np.diff(timestamp) <= 0) & (np.diff(frame_index) > 0)])
     if backwards.any():

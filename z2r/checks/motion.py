@@ -163,5 +163,5 @@ def _say(fit: _Fit, fault: Ints, row: int) -> tuple[str, str, str]:
             "motion the same way",
             "A sign is wrong, or time runs backwards",
         )
-    mend = "Is it the fps, or a unit (m and mm, m/s and m per frame)? Or are frames missing?"
-    return f"{fit.scale[row].mean():.3g} times the speed that is asked for", "about 1 time", mend
+    mend = "Check the fps, the units (m or mm, m/s or m per frame), and whether frames are missing"
+    return f"{fit.scale[row].mean():.3g} times the speed that is asked for", "about that speed", mend

@@ -30,6 +30,7 @@ from z2r.verdict import Recording
 _LEAP, _LONG_LEAP = 0.015, 0.08
 _SMOOTH = 0.02  # m: as close as the action predicts the next frame where nothing was cut
 _STUCK = 5  # frames in a row
+_RARE = 0.05  # of the steps
 _FEW = 3  # episodes
 
 type Floats = NDArray[np.float64]
@@ -73,6 +74,8 @@ def fold(frames: Frames, base: int, episodes: EpisodeIndex, reading: Reading, sc
     offset = _offset(columns, reading)
     errors = FrameErrors(np.hypot(*offset[:, :2].T), np.abs(offset[:, 2]))
     leaps, smooth = _leaps(steps, action, np.hypot(np.diff(tee.x), np.diff(tee.y)), 1 / schema.fps)
+    long = leaps > _LONG_LEAP
+    together = inside & ~long if long.sum() < _RARE * len(long) else inside  # a leap is no motion, unless all motion is
     depth = overlap(state, reading, schema)
     fine = in_tolerance(errors, reading)
     return Sums(
@@ -82,7 +85,7 @@ def fold(frames: Frames, base: int, episodes: EpisodeIndex, reading: Reading, sc
         long_leaps=_worst(leaps, (leaps > _LONG_LEAP) & inside, base + 1),
         seams=_worst(smooth, (smooth < _SMOOTH) & begins & ~inside, base + 1),
         half_turns=_worst(errors.ang_err, errors.ang_err > np.pi + 1e-6, base),
-        motion=motion.sum_up(steps * schema.fps, action, inside, starts, reading.action_lag),
+        motion=motion.sum_up(steps * schema.fps, action, together, starts, reading.action_lag),
         stuck=_stuck(steps, action, inside, base + 1),
         episode=here if episodes.numbers is None else episodes.numbers[here],
         in_tolerance=reduce_parts(np.logical_or, fine, starts, stops),
@@ -171,7 +174,7 @@ def _judge_leaps(worst: Sequence[Worst], files: Sequence[Path]) -> Iterator[Find
             "leap",
             file,
             f"frame {leaps.frame}, inside an episode",
-            f"a leap of {1000 * leaps.value:.0f} mm beyond what the action asks ({leaps.times:,} like it)",
+            f"pusher or block {1000 * leaps.value:.0f} mm further on than the action asks ({leaps.times:,} like it)",
             "a leap only where an episode ends",
             "The index lacks a boundary here, or frames are missing or in the wrong order",
         )

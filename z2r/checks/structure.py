@@ -124,16 +124,11 @@ def check_features(schema: Schema) -> Iterator[Finding]:
 def check_order(files: Sequence[Path]) -> Iterator[Finding]:
     """Do names sort like numbers?"""
     names = [file.as_posix() for file in files]
-    for number, (name, sorted_name) in enumerate(zip(names, sorted(names), strict=True)):
+    for name, sorted_name in zip(names, sorted(names), strict=True):
         if name != sorted_name:
-            yield warning(
-                "file-order",
-                sorted_name,
-                "its name",
-                f"place {number} among the names",
-                f"place {names.index(sorted_name)}, that of its number",
-                "LeRobot 0.6.1 sorts files by name and would mix up the frames: pad the numbers with zeros",
-            )
+            found, expected = f"it before {name} when names are sorted", "names that sort like their numbers"
+            mend = "LeRobot 0.6.1 sorts files by name and would mix up the frames: pad the numbers with zeros"
+            yield warning("file-order", sorted_name, "", found, expected, mend)
             return
 
 
