@@ -1508,9 +1508,9 @@ ON_VALUES: dict[str, Damage] = {
     ),
     "an action frozen in one episode": Damage(
         change_values(["pusher_vx"], lambda values: values * 0, [3]),
-        "frozen",
+        "action-motion",
         "data",
-        "pusher_vx",
+        "in episode 3: found motion of 0.19 m/s along x",
         base="messy",
     ),
     "a state stuck for 20 frames": Damage(

@@ -49,7 +49,9 @@ from layouts import (
 )
 
 import z2r
+from z2r import Feature
 from z2r.checks import CHECKS
+from z2r.checks.values import check_jumps, sum_up
 from z2r.episodes import COLUMNS
 from z2r.pusht.task import ACTION_NAMES
 
@@ -165,6 +167,55 @@ def test_nothing_is_said_of_what_lerobot_records(recorded, tmp_path):
     forget_names(root)
     audit = silent(root)
     assert (audit.n_episodes, audit.n_frames) == (12, 202)
+
+
+@pytest.mark.parametrize(("noise", "max_steps"), [(0.3, 300), (0.3, 5)])
+def test_nothing_is_said_of_noisy_or_very_short_demonstrations(noise, max_steps, tmp_path):
+    z2r.record(tmp_path / "dataset", range(100, 106), noise=noise, max_steps=max_steps)
+    silent(tmp_path / "dataset")
+
+
+def test_nothing_is_said_of_a_matrix_that_lerobot_records(tmp_path):
+    from lerobot.datasets.lerobot_dataset import LeRobotDataset
+
+    features = {"observation.matrix": {"dtype": "float32", "shape": (4, 5), "names": None}}
+    where = {"repo_id": "test/test", "root": tmp_path / "dataset", "video_backend": "pyav"}
+    dataset = LeRobotDataset.create(**where, fps=10, features=features, use_videos=False)
+    for matrix in np.random.default_rng(0).normal(size=(60, 4, 5)).astype(np.float32):
+        dataset.add_frame({"observation.matrix": matrix, "task": "test"})
+    dataset.save_episode()
+    dataset.finalize()
+    silent(tmp_path / "dataset")
+
+
+def seldom_used(rng: np.random.Generator, episode: int) -> np.ndarray:
+    """A gripper that closes and opens in three of ten episodes, and a sensor that is never quite still."""
+    used = 20 * np.clip(np.sin(np.linspace(0, np.pi, 100)) - 0.3, 0, None) * (episode in (2, 5, 8))
+    return np.round(used + rng.normal(0, 0.02, 100), 2)
+
+
+def sparse_reward(rng: np.random.Generator, episode: int) -> np.ndarray:
+    return (np.arange(100) >= 98) * (episode in (1, 4, 7)) + rng.normal(0, 1e-3, 100)
+
+
+def end_of_range(rng: np.random.Generator, episode: int) -> np.ndarray:
+    """An angle that goes to and fro about the place where it is wrapped."""
+    turning = np.pi * (episode == 3) + rng.normal(0, 0.01, 100)
+    return np.mod(turning + np.pi, 2 * np.pi) - np.pi
+
+
+def spike(rng: np.random.Generator, episode: int) -> np.ndarray:
+    values = np.cumsum(rng.normal(0, 0.01, 100))
+    values[50] += 3.0 * (episode == 6)
+    return values
+
+
+@pytest.mark.parametrize(("signal", "jumps"), [(seldom_used, 0), (sparse_reward, 0), (end_of_range, 0), (spike, 1)])
+def test_a_jump_leaps_away_and_back(signal, jumps):
+    rng = np.random.default_rng(0)
+    values = np.concatenate([signal(rng, episode) for episode in range(10)])[:, None].astype(np.float32)
+    stats = sum_up(values, 100 * np.arange(10))
+    assert len(list(check_jumps("observation.state", Feature("float32", (1,)), stats, np.arange(10)))) == jumps
 
 
 def forget_names(root: Path) -> None:
@@ -345,10 +396,14 @@ def test_a_flipped_byte_is_named_if_it_changes_what_matters(file, place, mask):
 def matters(whole: pa.Table, path: Path) -> bool:
     """Tell whether a file cannot be read any more, or says something else that the audit is there to see.
 
-    A number that is off by less than what statistics can show is not, nor are quantiles, which are estimates; and
-    nobody misses a statistic of an episode.
+    A number that is off by less than what statistics can show is not, nor are quantiles, which are estimates, nor
+    statistics of the bookkeeping, which LeRobot leaves behind when it edits; and nobody misses one of an episode.
     """
-    seen = [name for name in whole.column_names if not re.search("/q[0-9]+$|^task$|^tasks$|^meta/", name)]
+    seen = [
+        name
+        for name in whole.column_names
+        if not re.search("/q[0-9]+$|^task$|^tasks$|^meta/|^stats/(timestamp|.*index)/", name)
+    ]
     try:
         present = pq.ParquetFile(path).schema_arrow.names
         seen = [name for name in seen if name in present or not name.startswith("stats/")]

@@ -48,6 +48,8 @@ class Audit(msgspec.Struct, frozen=True):
         What was not checked, and why.
     n_episodes, n_frames : int
         How many there are, as far as they could be read.
+    break_mode : str or None
+        Which assumption was wrong on purpose.
     readable : bool
         False where `meta/info.json` or all episode metadata cannot be read, so that no frame was looked at.
     """
@@ -57,6 +59,7 @@ class Audit(msgspec.Struct, frozen=True):
     not_checked: tuple[str, ...]
     n_episodes: int
     n_frames: int
+    break_mode: str | None
     readable: bool
 
     @property
@@ -77,13 +80,15 @@ class Audit(msgspec.Struct, frozen=True):
         Returns
         -------
         dict
-            ``source``, ``exit_code``, ``n_episodes``, ``n_frames``; ``n_errors``, ``n_warnings``, ``n_notes``, of those
-            in ``findings``; ``findings``, each with ``check``, ``severity``, ``file``, ``field``, ``found``,
-            ``expected`` and ``mend``; ``more``, how many findings of a check are left out; and ``not_checked``.
+            ``source``, ``break_mode``, ``exit_code``, ``n_episodes``, ``n_frames``; ``n_errors``, ``n_warnings``,
+            ``n_notes``, of those in ``findings``; ``findings``, each with ``check``, ``severity``, ``file``, ``field``,
+            ``found``, ``expected`` and ``mend``; ``more``, how many findings of a check are left out; and
+            ``not_checked``.
         """
         counts = Counter(finding.severity for finding in self.findings)
         return {
             "source": source,
+            "break_mode": self.break_mode,
             "exit_code": self.exit_code,
             "n_episodes": self.n_episodes,
             "n_frames": self.n_frames,
@@ -144,7 +149,7 @@ def audit(
         return _ended([from_fault(check, fault, root)])
     if not len(story.rows.number):
         return _ended(story.findings)
-    bases = _first_frames(root, story)
+    bases = _first_frames(root, story, mode)
     parts = _fold_files(root, story, bases, reading, progress)
     findings = [
         *story.findings,
@@ -152,7 +157,8 @@ def audit(
         *_judge(root, story, parts, bases, reading),
     ]
     n_frames = sum(part.n_rows or 0 for part in parts)
-    return _audit(findings, _not_checked(root, story, parts, reading), len(story.rows.number), n_frames, readable=True)
+    left_out = _not_checked(root, story, parts, reading)
+    return _audit(findings, left_out, len(story.rows.number), n_frames, mode, readable=True)
 
 
 class _Part(NamedTuple):
@@ -176,8 +182,10 @@ def _fold_files(
     return parts
 
 
-def _first_frames(root: Path, story: Story) -> list[int]:
-    """Say which frame of the dataset each file begins with; one that cannot be opened has as many as its episodes."""
+def _first_frames(root: Path, story: Story, mode: BreakMode | None) -> list[int]:
+    """Say which frame of the dataset each file begins with: by the metadata, or by the rows where that is no story."""
+    if story.trusted and not mode:
+        return [int(story.rows.start[story.rows.file == file].min()) for file in range(len(story.files))]
     bases = [0]
     for file, path in enumerate(story.files):
         try:
@@ -266,13 +274,15 @@ def _judge_runs(root: Path, story: Story, parts: Sequence[_Part], bases: Sequenc
     signals = story.schema.signals()
     for name in (name for name in shared if name in signals):
         yield from values.check_jumps(name, signals[name], stats[name], runs.number)
-        yield from values.check_frozen(name, signals[name], stats[name], runs.number)
+    yield from values.check_frozen(story.schema, stats, runs.number)
     yield from values.check_dead(story.schema, stats)
     yield from values.check_twins(stats, signals, runs.number)
-    if all(part.n_rows for part in parts):
-        yield from values.check_stats(story.stats, stats, story.schema)
+    # LeRobot stores statistics of the last axis only, and does not renew those of the bookkeeping when it edits.
+    flat = {name: stats[name] for name in stats if name in signals and len(signals[name].shape) == 1}
+    if story.stats is not None and all(part.n_rows for part in parts):
+        yield from values.check_stats(story.stats, flat, story.schema)
     run_of_episode = {number: run for run, number in enumerate(runs.number.tolist())}
-    yield from values.check_episode_stats(root, story.shards, story.schema, stats, run_of_episode)
+    yield from values.check_episode_stats(root, story.shards, story.schema, flat, run_of_episode)
 
 
 def _judge_verdict(root: Path, story: Story, reached: NDArray[np.bool_]) -> Iterator[Finding]:
@@ -318,6 +328,11 @@ def _not_checked(root: Path, story: Story, parts: Sequence[_Part], reading: Read
         missing.append(
             "whether the tolerances are those of the task: no verdict of the simulator is beside the dataset"
         )
+    unclean = sorted(
+        {finding.field.split("[")[0] for part in parts for finding in part.findings if finding.check == "finite"}
+    )
+    if unclean:
+        missing.append(f"jumps, standstill and statistics of {', '.join(unclean[:_SOME])}: not all values are numbers")
     pictures = [name for name, feature in schema.features.items() if not feature.is_numeric]
     if pictures:
         missing.append(f"pictures and text: {', '.join(pictures[:_SOME])} (only that the files are there)")
@@ -331,11 +346,17 @@ def _not_checked(root: Path, story: Story, parts: Sequence[_Part], reading: Read
 
 def _ended(findings: Sequence[Finding]) -> Audit:
     nothing_else = "everything else: without meta/info.json and the episode metadata, frames mean nothing"
-    return _audit(findings, (nothing_else,), 0, 0, readable=False)
+    return _audit(findings, (nothing_else,), 0, 0, None, readable=False)
 
 
 def _audit(
-    findings: Sequence[Finding], not_checked: tuple[str, ...], n_episodes: int, n_frames: int, *, readable: bool
+    findings: Sequence[Finding],
+    not_checked: tuple[str, ...],
+    n_episodes: int,
+    n_frames: int,
+    mode: BreakMode | None,
+    *,
+    readable: bool,
 ) -> Audit:
     seen: Counter[str] = Counter()
     kept = []
@@ -344,4 +365,4 @@ def _audit(
         if seen[finding.check] <= MAX_OF_A_CHECK:
             kept.append(finding)
     more = {check: count - MAX_OF_A_CHECK for check, count in seen.items() if count > MAX_OF_A_CHECK}
-    return Audit(tuple(kept), more, not_checked, n_episodes, n_frames, readable)
+    return Audit(tuple(kept), more, not_checked, n_episodes, n_frames, mode.name if mode else None, readable)

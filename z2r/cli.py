@@ -313,10 +313,12 @@ def _way_out(root: Path, salvaged: bool) -> Iterator[None]:
     try:
         yield
     except DatasetError as error:
+        if salvaged or (error.path.name == "info.json" and not error.field.startswith("total_")):
+            raise
         from z2r.salvage import salvage
 
         try:
-            whole = len(salvage(root).dataset.episodes) if not salvaged else 0
+            whole = len(salvage(root).dataset.episodes)
         except DatasetError:
             whole = 0
         if not whole:

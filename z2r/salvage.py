@@ -70,7 +70,8 @@ def salvage(root: str | os.PathLike[str]) -> Salvage:
     read = list(in_threads(lambda path: _read(root, schema, path), paths))
     kept = [_whole(rows, file, part) for file, part in enumerate(read)]
     if not any(len(whole.row) for whole in kept):
-        raise _no_episode(root, "no episode of which everything is there")
+        faults = [f" ({path.as_posix()}: {part.fault})" for path, part in zip(paths, read, strict=True) if part.fault]
+        raise _no_episode(root, f"no episode of which everything is there{faults[0] if faults else ''}")
     lost = [f"{finding.file}: {finding.found}" for finding in findings]
     lost += [line for file, whole in enumerate(kept) for line in _left_out(rows, file, paths[file], read[file], whole)]
     return Salvage(_join(root, schema, rows, paths, read, kept), tuple(lost))
@@ -155,10 +156,5 @@ def _join(
 
 
 def _no_episode(root: Path, found: str) -> DatasetError:
-    return DatasetError(
-        root / EPISODES_DIR,
-        "",
-        found=found,
-        expected="at least one whole episode",
-        mend="Nothing can be salvaged: copy or record the dataset again",
-    )
+    mend = "Copy or record the dataset again; a data file is left out as a whole where one of its values is no number"
+    return DatasetError(root / EPISODES_DIR, "", found=found, expected="at least one whole episode", mend=mend)

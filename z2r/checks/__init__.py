@@ -31,7 +31,7 @@ CHECKS: dict[str, str] = {
     # values
     "finite": "there is no NaN, no infinity, and no gap",
     "unit-circle": "sin² + cos² is 1 for every angle that is stored as (sin, cos)",
-    "jump": "no value leaps many times further than it ever does elsewhere",
+    "jump": "no value leaps away and back, many times further than it moves elsewhere",
     "frozen": "no sensor stands still for an episode while it moves in the others",
     "twin": "no demonstration is there twice",
     "stats": "the stored statistics are those of the data",

@@ -4,6 +4,7 @@ Each data file is folded into sums (`Sums`); what they say is judged at the end.
 """
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -19,7 +20,7 @@ from z2r.dataset import Frames
 from z2r.episodes import EpisodeIndex
 from z2r.inspection import reduce_parts
 from z2r.overlap import LIMIT, overlap
-from z2r.pusht.task import ACTION_LIMIT
+from z2r.pusht.task import ACTION_LIMIT, PUSHER_RADIUS, WALL
 from z2r.reading import Reading, named_columns, read_pose
 from z2r.schema import ACTION, Schema
 from z2r.success import FrameErrors, in_tolerance
@@ -31,6 +32,8 @@ _LEAP, _LONG_LEAP = 0.015, 0.08
 _SMOOTH = 0.02  # m: as close as the action predicts the next frame where nothing was cut
 _STUCK = 5  # frames in a row
 _RARE = 0.05  # of the steps
+_OFTEN = 0.01  # of the frames
+_FLUNG = 0.025  # m in one frame: a block that is hit may go this much further than the pusher
 _FEW = 3  # episodes
 
 type Floats = NDArray[np.float64]
@@ -47,6 +50,7 @@ class Worst(NamedTuple):
 class Sums(NamedTuple):
     """What is kept of one data file."""
 
+    n_frames: int
     overlap: Worst
     beyond_limit: Worst
     leaps: Worst
@@ -76,17 +80,19 @@ def fold(frames: Frames, base: int, episodes: EpisodeIndex, reading: Reading, sc
     leaps, smooth = _leaps(steps, action, np.hypot(np.diff(tee.x), np.diff(tee.y)), 1 / schema.fps)
     long = leaps > _LONG_LEAP
     together = inside & ~long if long.sum() < _RARE * len(long) else inside  # a leap is no motion, unless all motion is
+    free = _away_from_walls(columns, reading)
     depth = overlap(state, reading, schema)
     fine = in_tolerance(errors, reading)
     return Sums(
+        n_frames=n,
         overlap=_worst(depth, depth > LIMIT, base),
         beyond_limit=_worst(np.abs(action).max(axis=1), np.abs(action).max(axis=1) > ACTION_LIMIT * (1 + 1e-6), base),
         leaps=_worst(leaps, (leaps > _LEAP) & inside, base + 1),
         long_leaps=_worst(leaps, (leaps > _LONG_LEAP) & inside, base + 1),
         seams=_worst(smooth, (smooth < _SMOOTH) & begins & ~inside, base + 1),
         half_turns=_worst(errors.ang_err, errors.ang_err > np.pi + 1e-6, base),
-        motion=motion.sum_up(steps * schema.fps, action, together, starts, reading.action_lag),
-        stuck=_stuck(steps, action, inside, base + 1),
+        motion=motion.sum_up(steps * schema.fps, action, together & free, starts, reading.action_lag),
+        stuck=_stuck(steps, action, inside & free, base + 1),
         episode=here if episodes.numbers is None else episodes.numbers[here],
         in_tolerance=reduce_parts(np.logical_or, fine, starts, stops),
         first=offset[starts],
@@ -149,7 +155,8 @@ def reached(sums: Sequence[Sums], reading: Reading) -> NDArray[np.bool_]:
 
 def _judge_overlap(sums: Sequence[Sums], files: Sequence[Path]) -> Iterator[Finding]:
     worst, file = _overall([each.overlap for each in sums], files)
-    if worst.times:
+    # A hard push sinks in for a moment: it takes many frames, or a depth that no push reaches.
+    if worst.value > 2 * LIMIT or worst.times > _OFTEN * sum(each.n_frames for each in sums):
         yield error(
             "overlap",
             file,
@@ -223,18 +230,40 @@ def _judge_ends(sums: Sequence[Sums], reading: Reading) -> Iterator[Finding]:
     x, y, turn = _decisive(sums, reading).T
     if reading.decisive == "first" or len(turn) < _FEW:
         return
-    mean_turn = np.exp(1j * turn).mean()
-    turned, turn_spread = abs(np.angle(mean_turn)), np.sqrt(-2 * np.log(abs(mean_turn)))
-    if turned > max(reading.ang_tol, 2 * turn_spread):
-        found = f"all turned by about {np.angle(mean_turn):.2f} rad from the target"
+    first_x, first_y, first_turn = _decisive(sums, replace(reading, decisive="first")).T
+    turned, turn_spread = _circular(turn)
+    # Where ends are no closer together than starts, nobody brought the block anywhere.
+    if abs(turned) > max(reading.ang_tol, 2 * turn_spread) and turn_spread < _circular(first_turn)[1] / 2:
+        found = f"all turned by about {turned:.2f} rad from the target"
         mend = "The yaw of the block or of the target is read wrong (sine and cosine swapped?)"
         yield warning("final-offset", "data", "last frames", found, "ends around the target", mend)
-    middle = np.median(np.stack([x, y]), axis=1)
-    spread = float(np.median(np.hypot(x - middle[0], y - middle[1])))
-    if np.hypot(*middle) > max(reading.pos_tol, 2 * spread):
+    middle, spread = _middle(x, y)
+    if np.hypot(*middle) > max(reading.pos_tol, 2 * spread) and spread < _middle(first_x, first_y)[1] / 2:
         found = f"all about {1000 * middle[0]:.0f} and {1000 * middle[1]:.0f} mm away from the target"
         mend = "The position of the block or of the target is read wrong"
         yield warning("final-offset", "data", "last frames", found, "ends around the target", mend)
+
+
+def _circular(angles: Floats) -> tuple[float, float]:
+    """Mean and standard deviation of directions [rad]."""
+    mean = np.exp(1j * angles).mean()
+    return float(np.angle(mean)), float(np.sqrt(-2 * np.log(min(abs(mean), 1))))
+
+
+def _middle(x: Floats, y: Floats) -> tuple[Floats, float]:
+    """Middle of points, and the median of their distances from it [m]."""
+    middle = np.median(np.stack([x, y]), axis=1)
+    return middle, float(np.median(np.hypot(x - middle[0], y - middle[1])))
+
+
+def _away_from_walls(columns: dict[str, Floats], reading: Reading) -> NDArray[np.bool_]:
+    """Tell of each frame and the next whether both are away from any wall, bool[n - 1]; all, if no frame is."""
+    reach = np.max([np.abs(columns[name]) for name in reading.pusher], axis=0)
+    free = reach < WALL - 2 * PUSHER_RADIUS
+    if not free.any():
+        return np.ones(len(reach) - 1, dtype=bool)
+    pairs: NDArray[np.bool_] = free[1:] & free[:-1]
+    return pairs
 
 
 def _parts(episodes: EpisodeIndex, base: int, n: int) -> tuple[Ints, Ints, Ints]:
@@ -269,7 +298,9 @@ def _offset(columns: dict[str, Floats], reading: Reading) -> Floats:
 def _leaps(steps: Floats, action: Floats, block_steps: Floats, seconds: float) -> tuple[Floats, Floats]:
     """How far pusher or block go beyond what the action asks, and how far they are from where it would bring them."""
     asked = action[:-1] * seconds
-    beyond = np.maximum(np.hypot(*steps.T), block_steps) - np.hypot(*asked.T)
+    reach = np.hypot(*asked.T)
+    reach[1:] = np.maximum(reach[1:], reach[:-1])  # what moves does not stop at once
+    beyond = np.maximum(np.hypot(*steps.T), block_steps - _FLUNG) - reach
     return beyond, np.maximum(np.hypot(*(steps - asked).T), block_steps)
 
 

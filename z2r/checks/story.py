@@ -23,7 +23,7 @@ class Story(NamedTuple):
     files: Sequence[Path]  # relative to the root, in the order of their frames
     shards: Sequence[Path]  # of the episode metadata: those that can be read
     tasks: Ints | None
-    stats: dict[str, dict[str, Any]]
+    stats: dict[str, dict[str, Any]] | None
     findings: list[Finding]
     trusted: bool  # whether the metadata is taken at its word
 

@@ -11,7 +11,7 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from z2r.checks.findings import Finding, error, from_fault, warning
+from z2r.checks.findings import Finding, error, from_fault, note, warning
 from z2r.episodes import COLUMNS, EPISODES_DIR, file_numbers, read_shard, shard_paths
 from z2r.errors import DatasetError
 from z2r.parquet import integers, open_parquet, read_columns
@@ -115,7 +115,8 @@ def check_features(schema: Schema) -> Iterator[Finding]:
         place = f"features.{name}.names"
         if len(feature.shape) == 1 and (len(names) != feature.size or not all(isinstance(each, str) for each in names)):
             found = f"{len(names)} names: {', '.join(map(str, names))}"
-            yield warning("info", INFO_PATH, place, found, f"{feature.size} texts, one for each dimension")
+            tell = note if len(names) == 1 else warning  # one name for all is what some converters write
+            yield tell("info", INFO_PATH, place, found, f"{feature.size} texts, one for each dimension")
         repeated = [each for each, times in Counter(map(str, names)).items() if times > 1]
         if repeated:
             yield warning("info", INFO_PATH, place, f"{repeated[0]} twice", "another name for each dimension")
@@ -191,18 +192,18 @@ def read_tasks(root: Path) -> tuple[Ints | None, list[Finding]]:
     return tasks, []
 
 
-def read_stats(root: Path) -> tuple[dict[str, dict[str, Any]], list[Finding]]:
-    """Read the stored statistics of each feature; without them a policy cannot scale its input."""
+def read_stats(root: Path) -> tuple[dict[str, dict[str, Any]] | None, list[Finding]]:
+    """Read the stored statistics of each feature, None where they cannot be read; a policy scales its input by them."""
     try:
         path = inside(root, STATS_PATH)
         if path.stat().st_size > _MAX_STATS_BYTES:
             raise DatasetError(path, "", found=f"{path.stat().st_size} bytes", expected=f"at most {_MAX_STATS_BYTES}")
         return msgspec.json.decode(path.read_bytes(), type=dict[str, dict[str, Any]]), []
     except DatasetError as fault:
-        return {}, [from_fault("stats-file", fault, root)]
+        return None, [from_fault("stats-file", fault, root)]
     except (OSError, msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as fault:
         found = fault.strerror.lower() if isinstance(fault, OSError) and fault.strerror else f"broken JSON ({fault})"
-        return {}, [warning("stats-file", STATS_PATH, "", found, "the statistics of each feature")]
+        return None, [warning("stats-file", STATS_PATH, "", found, "the statistics of each feature")]
 
 
 def check_videos(root: Path, schema: Schema, totals: Totals) -> Iterator[Finding]:

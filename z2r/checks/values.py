@@ -33,7 +33,7 @@ class RunStats(NamedTuple):
     """One feature in each run of frames: float64[n_runs] and float64[n_runs, size].
 
     `n` is the number of frames, `squares` the sum of the squared distances from the mean, `step` the largest step from
-    one frame to the next.
+    one frame to the next, `spike` the largest step that the next one takes back.
     """
 
     n: Floats
@@ -42,18 +42,27 @@ class RunStats(NamedTuple):
     mean: Floats
     squares: Floats
     step: Floats
+    spike: Floats
 
 
 def sum_up(values: NDArray[np.generic], starts: Ints) -> RunStats:
     """Sum one feature up for each run; a run begins at each of `starts` and ends where the next begins."""
-    exact = values.astype(np.float64)
-    count = np.diff(np.append(starts, len(exact)))
-    mean = np.add.reduceat(exact, starts) / count[:, None]
-    squares = np.add.reduceat(np.square(exact - np.repeat(mean, count, axis=0)), starts)
-    steps = np.abs(np.diff(exact, axis=0, prepend=exact[:1]))
+    count = np.diff(np.append(starts, len(values)))
+    # One column after another: numpy reduces adjacent numbers many times faster, and copies stay small.
+    columns = [_sum_up_column(column.astype(np.float64), starts, count) for column in values.T]
+    sums = np.array(columns).reshape(values.shape[1], 6, len(starts))
+    return RunStats(count.astype(np.float64), *(sums[:, place].T for place in range(6)))
+
+
+def _sum_up_column(values: Floats, starts: Ints, count: Ints) -> tuple[Floats, ...]:
+    mean = np.add.reduceat(values, starts) / count
+    squares = np.add.reduceat(np.square(values - np.repeat(mean, count)), starts)
+    steps = np.diff(values, prepend=values[:1])
     steps[starts] = 0
-    low, high = np.minimum.reduceat(exact, starts), np.maximum.reduceat(exact, starts)
-    return RunStats(count.astype(np.float64), low, high, mean, squares, np.maximum.reduceat(steps, starts))
+    back = np.append(-steps[1:], 0.0)
+    spikes = np.maximum(np.minimum(steps, back), np.minimum(-steps, -back))  # both the same way, or below 0
+    low, high = np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)
+    return low, high, mean, squares, np.maximum.reduceat(np.abs(steps), starts), np.maximum.reduceat(spikes, starts)
 
 
 def joined(parts: list[RunStats]) -> RunStats:
@@ -91,9 +100,10 @@ def check_stats(
 ) -> Iterator[Finding]:
     """Are the stored statistics those of the data?"""
     for name, stats in runs.items():
-        if stored and name not in stored:
+        if not stored.get(name):
             yield warning("stats", STATS_PATH, name, "no statistics", "some for each numeric feature")
-        for what, told, computed in _differences(stored.get(name, {}), _pooled(stats), schema.features[name]):
+            continue
+        for what, told, computed in _differences(stored[name], _pooled(stats), schema.features[name]):
             mend = "A policy scales its input with them: recompute the statistics"
             yield warning("stats", STATS_PATH, f"{name}.{what}", told, f"{computed}, recomputed", mend)
 
@@ -135,21 +145,31 @@ def _check_shard_stats(
 
 
 def check_jumps(name: str, feature: Feature, stats: RunStats, numbers: Ints) -> Iterator[Finding]:
-    """Does a value leap many times further than it ever does elsewhere?"""
+    """Does a value leap away and back, many times further than it moves elsewhere?
+
+    A leap that stays may be a switch; one by a whole turn, there and back, is an angle at the end of its range.
+    """
     moving = stats.n >= _FEW
     if moving.sum() < _FEW:
         return
     usual = np.median(stats.step[moving], axis=0)
-    wrong = (stats.step > JUMP * usual) & (usual > 0)
+    a_turn = np.isclose(stats.spike, 2 * np.pi, rtol=0.01) | np.isclose(stats.spike, 360, rtol=0.01)
+    wrong = (stats.spike > JUMP * usual) & (usual > 0) & ~a_turn
     for column in np.flatnonzero(wrong.any(axis=0)).tolist():
-        run = int(stats.step[:, column].argmax())
-        found = f"a step of {stats.step[run, column]:.3g}{and_more(wrong[:, column])}"
-        expected = f"about {usual[column]:.3g} at most, as in the other episodes"
+        run = int(np.where(wrong, stats.spike, 0)[:, column].argmax())
+        found = f"a leap of {stats.spike[run, column]:.3g} away and back{and_more(wrong[:, column])}"
+        expected = f"steps of about {usual[column]:.3g} at most, as in the other episodes"
         yield warning("jump", "data", f"{name}{_dim(feature, column)} in episode {numbers[run]}", found, expected)
 
 
-def check_frozen(name: str, feature: Feature, stats: RunStats, numbers: Ints) -> Iterator[Finding]:
-    """Does a sensor stand still for a long episode while it moves in nearly all others?"""
+def check_frozen(schema: Schema, runs: Mapping[str, RunStats], numbers: Ints) -> Iterator[Finding]:
+    """Does a sensor stand still for a long episode while it moves in nearly all others?
+
+    Not where the action of the same name stands still too: then nobody asked it to move.
+    """
+    if STATE not in runs:
+        return
+    feature, stats = schema.features[STATE], runs[STATE]
     long = stats.n >= _LONG
     if long.sum() < _FEW:
         return
@@ -159,10 +179,14 @@ def check_frozen(name: str, feature: Feature, stats: RunStats, numbers: Ints) ->
     is_switch = (~moves | (stats.step > _MOST * span))[long].mean(axis=0) > 0.5
     still = ~moves & long[:, None]
     wrong = still & (still.sum(axis=0) <= max(1, (1 - _MOST) * long.sum())) & ~is_switch
+    asked = schema.features[ACTION].dim_names if ACTION in runs else ()
+    for column, name in enumerate(feature.dim_names):
+        if name in asked:
+            wrong[:, column] &= (runs[ACTION].high > runs[ACTION].low)[:, asked.index(name)]
     for column in np.flatnonzero(wrong.any(axis=0)).tolist():
         run = int(wrong[:, column].argmax())
         found = f"{stats.low[run, column]:.4g} in all {stats.n[run]:.0f} frames{and_more(wrong[:, column])}"
-        place = f"{name}{_dim(feature, column)} in episode {numbers[run]}"
+        place = f"{STATE}{_dim(feature, column)} in episode {numbers[run]}"
         yield warning("frozen", "data", place, found, "a value that moves, as in the other episodes")
 
 
@@ -204,7 +228,8 @@ def _pooled(stats: RunStats) -> RunStats:
     mean = (stats.mean * weight).sum(axis=0) / count
     squares = (stats.squares + weight * np.square(stats.mean - mean)).sum(axis=0)
     low, high = stats.low.min(axis=0), stats.high.max(axis=0)
-    return RunStats(*(np.array([column]) for column in (count, low, high, mean, squares, stats.step.max(axis=0))))
+    columns = (count, low, high, mean, squares, stats.step.max(axis=0), stats.spike.max(axis=0))
+    return RunStats(*(np.array([column]) for column in columns))
 
 
 def _statistics(stats: RunStats) -> Iterator[tuple[str, Floats, Floats]]:
@@ -216,16 +241,17 @@ def _statistics(stats: RunStats) -> Iterator[tuple[str, Floats, Floats]]:
     yield "min", stats.low, close
     yield "max", stats.high, close
     yield "mean", stats.mean, close + 1e-3 * std
-    # LeRobot takes the variance as a difference of two means of squares, in float32: near 1, a small one is rough.
-    yield "std", std, close + 1e-3 * std + np.sqrt(np.square(std) + _ROUGH * np.square(size)) - std
+    # LeRobot takes the variance as a difference of two means of squares, in float32: near 1, a small one is rough,
+    # and more so the longer an episode is.
+    rough = _ROUGH * np.maximum(1, stats.n[:, None] / 5_000) * np.square(size)
+    yield "std", std, close + 1e-3 * std + np.sqrt(np.square(std) + rough) - std
 
 
 def _differences(stored: Mapping[str, Any], stats: RunStats, feature: Feature) -> Iterator[tuple[str, str, str]]:
     """Yield the statistics that differ: which one, what is stored, what is right."""
     for kind, computed, tolerance in _statistics(stats):
-        if stored and kind not in stored:
-            yield kind, "nothing", f"{computed.size} numbers"
         if kind not in stored:
+            yield kind, "nothing", f"{computed.size} numbers"
             continue
         try:
             told = np.asarray(stored[kind], dtype=np.float64).ravel()

@@ -103,6 +103,7 @@ def _world(content: Content, reading: Reading) -> str:
     return fill(
         "world.html",
         scene=scene(content, reading, "scene"),
+        number=str(content.shown.number(0)),
         numbers=_numbers(content, reading),
         pos_err=f"{pos_err:.4f} m",
         ang_err=_angle(ang_err),

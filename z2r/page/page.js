@@ -325,7 +325,7 @@ const toggle = () => (playing ? stop() : play());
 
 function onKey(event) {
   const inPlayer = event.target === document.body || byId("player").contains(event.target);
-  if (!inPlayer || event.altKey || event.ctrlKey || event.metaKey) return;
+  if (!inPlayer || event.target.tagName === "SELECT" || event.altKey || event.ctrlKey || event.metaKey) return;
   const step = event.shiftKey ? 10 : 1;
   const targets = { ArrowLeft: now.frame - step, ArrowRight: now.frame + step, Home: 0, End: nFrames() - 1 };
   if (event.key in targets) {
