@@ -193,7 +193,7 @@ def _first_frames(root: Path, story: Story, mode: BreakMode | None) -> list[int]
         except DatasetError:
             n_rows = int(story.rows.length[story.rows.file == file].sum())
         bases.append(bases[-1] + n_rows)
-    return bases
+    return bases[:-1]
 
 
 def _fold(root: Path, story: Story, file: int, base: int, reading: Reading) -> _Part:
@@ -212,7 +212,8 @@ def _fold(root: Path, story: Story, file: int, base: int, reading: Reading) -> _
     changes[0] = True
     starts = np.flatnonzero(changes)
     findings += values.check_unit_circle(read.frames, schema, path)
-    runs = {name: values.sum_up(column, starts) for name, column in read.frames.items()}
+    # Not the bookkeeping: LeRobot does not renew its statistics when it edits a dataset.
+    runs = {name: values.sum_up(column, starts) for name, column in read.frames.items() if name not in BOOKKEEPING}
     numbers = None if number is None else number[starts].astype(np.int64)
     sums = None
     if _fits(reading, schema) and {reading.feature, ACTION} <= set(read.frames):
@@ -263,22 +264,22 @@ def _judge_runs(root: Path, story: Story, parts: Sequence[_Part], bases: Sequenc
             base + np.append(part.starts[1:], part.n_rows or 0),
             np.full(len(part.starts), file),
         )
-        for file, (part, base) in enumerate(zip(parts, bases, strict=False))
+        for file, (part, base) in enumerate(zip(parts, bases, strict=True))
         if part.numbers is not None
     ]
     runs = index.Runs(*(np.concatenate(columns) for columns in zip(*tables, strict=True)))
     yield from index.check_runs(story.rows, runs, story.files, [i for i, part in enumerate(parts) if part.n_rows])
     readable = [part.runs for part in parts if part.n_rows]
-    shared = [name for name in story.schema.features if all(name in part for part in readable)]
-    stats = {name: values.joined([part[name] for part in readable]) for name in shared}
     signals = story.schema.signals()
-    for name in (name for name in shared if name in signals):
+    shared = [name for name in signals if all(name in part for part in readable)]
+    stats = {name: values.joined([part[name] for part in readable]) for name in shared}
+    for name in shared:
         yield from values.check_jumps(name, signals[name], stats[name], runs.number)
     yield from values.check_frozen(story.schema, stats, runs.number)
     yield from values.check_dead(story.schema, stats)
-    yield from values.check_twins(stats, signals, runs.number)
-    # LeRobot stores statistics of the last axis only, and does not renew those of the bookkeeping when it edits.
-    flat = {name: stats[name] for name in stats if name in signals and len(signals[name].shape) == 1}
+    yield from values.check_twins(stats, runs.number)
+    # Of a matrix, LeRobot stores the statistics of the last axis only.
+    flat = {name: stats[name] for name in shared if len(signals[name].shape) == 1}
     if story.stats is not None and all(part.n_rows for part in parts):
         yield from values.check_stats(story.stats, flat, story.schema)
     run_of_episode = {number: run for run, number in enumerate(runs.number.tolist())}

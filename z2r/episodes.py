@@ -88,6 +88,29 @@ class EpisodeIndex:
         return EpisodeIndex(self.from_index[:1], self.to_index[-1:])
 
 
+def parts_within(
+    episodes: EpisodeIndex, from_index: int, to_index: int
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    """Find the parts of episodes that lie in a range of frames, such as that of a data file.
+
+    Returns
+    -------
+    place, start, stop : ndarray, int64[n_parts]
+        Which episodes have a part there, by their place in the index; and where it starts and stops, counted from the
+        first frame of the range.
+
+    Examples
+    --------
+    >>> index = EpisodeIndex(from_index=np.array([0, 3]), to_index=np.array([3, 8]))
+    >>> [part.tolist() for part in parts_within(index, 2, 6)]
+    [[0, 1], [0, 1], [1, 4]]
+    """
+    place = np.flatnonzero((episodes.from_index < to_index) & (episodes.to_index > from_index))
+    start = np.maximum(episodes.from_index[place], from_index) - from_index
+    stop = np.minimum(episodes.to_index[place], to_index) - from_index
+    return place, start, stop
+
+
 @dataclass(frozen=True)
 class DataFile:
     """One parquet file of frames, and which frames of the dataset it holds: `from_index` up to `to_index`."""

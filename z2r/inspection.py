@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from z2r.breaks import BreakMode
 from z2r.dataset import Dataset, Frames, map_files
-from z2r.episodes import DataFile, EpisodeIndex
+from z2r.episodes import DataFile, EpisodeIndex, parts_within
 from z2r.reading import PUSHT, Reading
 from z2r.schema import ACTION, STATE, Schema
 from z2r.success import frame_errors, in_tolerance
@@ -195,9 +195,7 @@ class _Rows:
 
 
 def _summarise(file: DataFile, frames: Frames, episodes: EpisodeIndex) -> _Rows:
-    here = np.flatnonzero((episodes.from_index < file.to_index) & (episodes.to_index > file.from_index))
-    starts = np.maximum(episodes.from_index[here], file.from_index) - file.from_index
-    stops = np.minimum(episodes.to_index[here], file.to_index) - file.from_index
+    here, starts, stops = parts_within(episodes, file.from_index, file.to_index)
     return _Rows(
         episode=here,
         low={name: reduce_parts(np.minimum, values, starts, stops) for name, values in frames.items()},

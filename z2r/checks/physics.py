@@ -17,7 +17,7 @@ from z2r.checks.findings import Finding, error, warning
 from z2r.checks.motion import STILL
 from z2r.checks.structure import Ints
 from z2r.dataset import Frames
-from z2r.episodes import EpisodeIndex
+from z2r.episodes import EpisodeIndex, parts_within
 from z2r.inspection import reduce_parts
 from z2r.overlap import LIMIT, overlap
 from z2r.pusht.task import ACTION_LIMIT, PUSHER_RADIUS, WALL
@@ -68,7 +68,7 @@ class Sums(NamedTuple):
 def fold(frames: Frames, base: int, episodes: EpisodeIndex, reading: Reading, schema: Schema) -> Sums:
     """Sum up one data file, whose first row is frame `base` of the dataset."""
     state, n = frames[reading.feature], len(frames[reading.feature])
-    here, starts, stops = _parts(episodes, base, n)
+    here, starts, stops = parts_within(episodes, base, base + n)
     inside = _pairs_inside(starts, stops, n)
     begins = np.isin(np.arange(1, n), starts)
     columns = named_columns(state, reading, schema)
@@ -264,14 +264,6 @@ def _away_from_walls(columns: dict[str, Floats], reading: Reading) -> NDArray[np
         return np.ones(len(reach) - 1, dtype=bool)
     pairs: NDArray[np.bool_] = free[1:] & free[:-1]
     return pairs
-
-
-def _parts(episodes: EpisodeIndex, base: int, n: int) -> tuple[Ints, Ints, Ints]:
-    """Which episodes the rows of a file belong to, and where they start and stop among them."""
-    here = np.flatnonzero((episodes.from_index < base + n) & (episodes.to_index > base))
-    starts = np.maximum(episodes.from_index[here], base) - base
-    stops = np.minimum(episodes.to_index[here], base + n) - base
-    return here, starts, stops
 
 
 def _pairs_inside(starts: Ints, stops: Ints, n: int) -> NDArray[np.bool_]:
