@@ -51,8 +51,8 @@ if importlib.util.find_spec("z2r") is None:
 import json
 
 import z2r
-from z2r import figures
-from z2r.exercises import start_here as practice
+from z2r.course import figures
+from z2r.course.exercises import start_here as practice
 
 # %% [markdown]
 # ## The task

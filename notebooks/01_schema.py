@@ -54,9 +54,9 @@ import numpy as np
 import pyarrow.parquet as pq
 
 import z2r
-from z2r import figures
-from z2r.exercises import schema as practice
-from z2r.source import show_source
+from z2r.course import figures
+from z2r.course.exercises import schema as practice
+from z2r.course.source import show_source
 
 # %% [markdown]
 # The example comes with the package and is called `standin`. In it a disc, *the pusher*, shoves a T-shaped block

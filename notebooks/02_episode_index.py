@@ -58,9 +58,9 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 import z2r
-from z2r import figures
-from z2r.exercises import episodes as practice
-from z2r.source import show_source
+from z2r.course import figures
+from z2r.course.exercises import episodes as practice
+from z2r.course.source import show_source
 
 # %% [markdown]
 # What you need to know: a *frame* is one moment, and holds what the robot saw and what it then did. An *episode* is

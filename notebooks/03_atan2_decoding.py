@@ -50,9 +50,9 @@ import math
 import numpy as np
 
 import z2r
-from z2r import figures
-from z2r.exercises import angles as practice
-from z2r.source import show_source
+from z2r.course import figures
+from z2r.course.exercises import angles as practice
+from z2r.course.source import show_source
 
 # %% [markdown]
 # ## The two columns

@@ -53,10 +53,10 @@ import numpy as np
 import pyarrow.parquet as pq
 
 import z2r
-from z2r import figures
-from z2r.exercises import success as practice
+from z2r.course import figures
+from z2r.course.exercises import success as practice
+from z2r.course.source import show_source
 from z2r.pusht import task
-from z2r.source import show_source
 
 # %% [markdown]
 # ## No column says it

@@ -53,9 +53,9 @@ from IPython.display import Image
 from rerun.chunk import RrdReader
 
 import z2r
-from z2r import figures
+from z2r.course import figures
+from z2r.course.exercises import replay as practice
 from z2r.data import REPLAY_STILL
-from z2r.exercises import replay as practice
 
 # %% [markdown]
 # ## What we need

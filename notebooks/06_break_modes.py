@@ -54,10 +54,10 @@ from pathlib import Path
 import numpy as np
 
 import z2r
-from z2r import figures
-from z2r.exercises import breaks as practice
-from z2r.overlap import overlap, pusher_in_block
-from z2r.source import show_source
+from z2r.course import figures
+from z2r.course.exercises import breaks as practice
+from z2r.course.source import show_source
+from z2r.pusht.overlap import overlap, pusher_in_block
 
 # %% [markdown]
 # ## A reading is a list of beliefs
@@ -331,15 +331,15 @@ print(run.stdout.strip())
 
 # %% [markdown]
 # A package does not fall into this trap. Its modules have a family name: the module that sums up a dataset is
-# `z2r.inspection`, and the folder in which it lies is never searched for `inspect`. Even a file `inspect.py` *inside*
-# the package would be `z2r.inspect`, another name. Both modules, side by side:
+# `z2r.reading.inspection`, and the folder in which it lies is never searched for `inspect`. Even a file `inspect.py`
+# *inside* the package would be `z2r.inspect`, another name. Both modules, side by side:
 
 # %%
 import inspect
 
-import z2r.inspection
+import z2r.reading.inspection
 
-print(inspect.__name__, "and", z2r.inspection.__name__)
+print(inspect.__name__, "and", z2r.reading.inspection.__name__)
 print("Python's own is still itself:", inspect.isfunction(inspect.signature))
 
 # %% [markdown]

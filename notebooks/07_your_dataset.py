@@ -55,11 +55,11 @@ from pathlib import Path
 import numpy as np
 
 import z2r
-from z2r import figures
-from z2r.exercises import your_dataset as practice
+from z2r.course import figures
+from z2r.course.exercises import your_dataset as practice
+from z2r.course.source import show_source
+from z2r.pusht.simulator.recorder import record_episode
 from z2r.pusht.task import ACTION_LIMIT, WALL
-from z2r.recorder import record_episode
-from z2r.source import show_source
 
 # %% [markdown]
 # ## Point at it

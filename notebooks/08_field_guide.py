@@ -53,10 +53,10 @@ from pathlib import Path
 import numpy as np
 
 import z2r
-from z2r import figures
-from z2r.damage import split, turn_half
-from z2r.exercises import field_guide as practice
-from z2r.field_guide import what_changes
+from z2r.course import figures
+from z2r.course.damage import split, turn_half
+from z2r.course.exercises import field_guide as practice
+from z2r.course.field_guide import what_changes
 
 # %% [markdown]
 # ## A dataset in many files

@@ -7,7 +7,7 @@ import nbformat
 import pytest
 from nbformat import NotebookNode
 
-from z2r.course import NOTEBOOKS, ROOT
+from z2r.course.build import NOTEBOOKS, ROOT
 
 STEMS = sorted(path.stem for path in NOTEBOOKS.glob("*.py"))
 IN_CI = os.environ.get("CI") == "true"

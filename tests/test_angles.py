@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from z2r.angles import decode_yaw, wrap_angle
+from z2r.reading.angles import decode_yaw, wrap_angle
 
 angles = st.floats(-1e4, 1e4)
 yaws = st.floats(-np.pi, np.pi)

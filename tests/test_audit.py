@@ -50,9 +50,9 @@ from layouts import (
 
 import z2r
 from z2r import Feature
-from z2r.checks import CHECKS
-from z2r.checks.values import check_jumps, sum_up
-from z2r.episodes import COLUMNS
+from z2r.audits import CHECKS
+from z2r.audits.values import check_jumps, sum_up
+from z2r.format.episodes import COLUMNS
 from z2r.pusht.task import ACTION_NAMES
 
 pytestmark = pytest.mark.filterwarnings("error")  # a warning of numpy would end up on the screen

@@ -7,7 +7,7 @@ import pytest
 from damages import DAMAGES, DATA, edit_info, fingerprint, make
 
 import z2r
-from z2r.schema import data_file_path, read_schema
+from z2r.format.schema import data_file_path, read_schema
 
 FAULTS = {kind: damage for kind, damage in DAMAGES.items() if damage.reader is not None}
 

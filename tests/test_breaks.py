@@ -11,9 +11,9 @@ from test_replay import read_rows, values
 
 import z2r
 from z2r import BREAK_MODES, PUSHT, EpisodeIndex
-from z2r.damage import split
-from z2r.inspection import reduce_parts
-from z2r.replay import write_replay
+from z2r.course.damage import split
+from z2r.reading.inspection import reduce_parts
+from z2r.show.replay import write_replay
 
 
 @pytest.fixture(scope="module")

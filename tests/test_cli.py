@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import z2r
-from z2r.inspection import metrics_json
+from z2r.reading.inspection import metrics_json
 
 
 def run(*args: object, cwd: Path) -> subprocess.CompletedProcess[str]:

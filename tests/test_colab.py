@@ -12,7 +12,7 @@ import pytest
 from nbformat import NotebookNode
 from notebook_tools import STEMS, cannot_run, cell_tags, committed, differences, shown, without_outputs
 
-from z2r.course import ROOT, faults
+from z2r.course.build import ROOT, faults
 
 PINS = Path(__file__).with_name("colab-pins.txt")
 UV = os.environ.get("UV") or shutil.which("uv")

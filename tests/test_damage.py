@@ -9,8 +9,8 @@ import pytest
 from test_dataset import oracle
 
 import z2r
-from z2r.damage import delay_actions, shift_ranges, split, swap_sine_and_cosine, turn_half
-from z2r.schema import ACTION, STATE
+from z2r.course.damage import delay_actions, shift_ranges, split, swap_sine_and_cosine, turn_half
+from z2r.format.schema import ACTION, STATE
 
 FEATURES = (STATE, ACTION)
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from layouts import lay_out, random_frames
 
 import z2r
-from z2r.dataset import map_files
+from z2r.format.dataset import map_files
 
 
 def oracle(root: Path):

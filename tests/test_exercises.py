@@ -14,7 +14,7 @@ from pathlib import Path
 import jupytext
 import pytest
 
-from z2r.exercises._core import NOT_ATTEMPTED, NOT_YET, RIGHT
+from z2r.course.exercises._core import NOT_ATTEMPTED, NOT_YET, RIGHT
 
 TESTS = Path(__file__).parent
 NOTEBOOKS = sorted((TESTS.parent / "notebooks").glob("*.py"))

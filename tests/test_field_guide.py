@@ -6,10 +6,10 @@ from pathlib import Path
 import pytest
 
 import z2r
-from z2r import figures
-from z2r.breaks import BREAK_MODES
-from z2r.damage import split, turn_half
-from z2r.field_guide import Change, what_changes
+from z2r.course import figures
+from z2r.course.damage import split, turn_half
+from z2r.course.field_guide import Change, what_changes
+from z2r.reading.breaks import BREAK_MODES
 
 DORMANT_IN_ONE_FILE = {"no-wrap", "first-shard-only", "stale-file-pointer", "name-sorted-files"}
 # What each mode changes in a copy with a file for each episode; no-wrap waits for a target that points elsewhere.

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from nbclient import NotebookClient
 
 import z2r
-from z2r import figures
+from z2r.course import figures
 from z2r.pusht import task
 
 DATASET = z2r.load(z2r.STANDIN)
@@ -264,7 +264,7 @@ def test_pictures_are_small_enough_to_commit_in_a_notebook(drawn):
 
 
 def test_a_notebook_shows_a_figure_once():
-    source = "from z2r.figures import two_poses\ntwo_poses((0, 0, 0), (0.1, 0, 1))"
+    source = "from z2r.course.figures import two_poses\ntwo_poses((0, 0, 0), (0.1, 0, 1))"
     notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(source)])
     NotebookClient(notebook, kernel_name="python3", timeout=120).execute()
     outputs = notebook.cells[0].outputs

@@ -6,9 +6,9 @@ from layouts import lay_out
 from test_dataset import oracle
 
 import z2r
-from z2r.breaks import BREAK_MODES
-from z2r.inspection import metrics_json
-from z2r.reading import PUSHT
+from z2r.reading.breaks import BREAK_MODES
+from z2r.reading.inspection import metrics_json
+from z2r.reading.reading import PUSHT
 
 
 def slow_reading(root, tee_yaw, target_yaw) -> tuple[list[bool], list[float], list[float]]:

@@ -14,7 +14,7 @@ import pytest
 from notebook_tools import code_cells, committed, without_outputs
 from playwright.sync_api import Browser, Page, expect
 
-from z2r.course import ROOT, kernel_variables
+from z2r.course.build import ROOT, kernel_variables
 
 STEM = "00_start_here"
 UNTRUSTED = "with_outputs.ipynb"

@@ -27,7 +27,7 @@ from notebook_tools import (
 from rerun.chunk import RrdReader
 
 import z2r
-from z2r.course import (
+from z2r.course.build import (
     NOTEBOOKS,
     ROOT,
     execute,

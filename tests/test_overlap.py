@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 
 import z2r
 from z2r.data import SHIPPED
-from z2r.overlap import LIMIT, overlap, pusher_in_block
 from z2r.pusht import task
-from z2r.reading import PUSHT
+from z2r.pusht.overlap import LIMIT, overlap, pusher_in_block
+from z2r.reading.reading import PUSHT
 
 SCHEMA = z2r.load(z2r.STANDIN).schema
 BOXES = ((task.BAR_CENTER, task.BAR_HALF_SIZE[:2]), (task.STEM_CENTER, task.STEM_HALF_SIZE[:2]))

@@ -8,7 +8,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from z2r.errors import DatasetError
-from z2r.parquet import integers, open_parquet, read_columns, vectors
+from z2r.format.parquet import integers, open_parquet, read_columns, vectors
 
 ROWS = 7
 NUMBERS = np.arange(ROWS * 6, dtype=np.float32)

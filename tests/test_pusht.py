@@ -8,8 +8,8 @@ import pytest
 from numpy.typing import NDArray
 
 from z2r.pusht import expert as expert_module
-from z2r.pusht.env import SLIDE_DAMPING, START_GAP, YAW_DAMPING, PushTEnv, StepResult
-from z2r.pusht.expert import BLOCK_RADIUS, TOUCH, TWIST, ScriptedExpert, predict_push
+from z2r.pusht.simulator.env import SLIDE_DAMPING, START_GAP, YAW_DAMPING, PushTEnv, StepResult
+from z2r.pusht.simulator.expert import BLOCK_RADIUS, TOUCH, TWIST, ScriptedExpert, predict_push
 from z2r.pusht.task import (
     ACTION_LIMIT,
     ACTION_NAMES,

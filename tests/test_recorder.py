@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import z2r
-from z2r.pusht.env import PushTEnv
-from z2r.verdict import verdict_path
+from z2r.pusht.simulator.env import PushTEnv
+from z2r.pusht.verdict import verdict_path
 
 
 @pytest.fixture(scope="module")

@@ -10,8 +10,8 @@ from rerun.chunk import RrdReader
 
 import z2r
 from z2r.pusht import task
-from z2r.reading import PUSHT, named_columns, read_pose
-from z2r.replay import write_replay
+from z2r.reading.reading import PUSHT, named_columns, read_pose
+from z2r.show.replay import write_replay
 
 Rows = dict[tuple[str, str], list[tuple[float | None, object]]]
 

@@ -17,9 +17,9 @@ from notebook_tools import code_cells, committed
 from test_cli import run
 
 import z2r
-from z2r import report
 from z2r.errors import DatasetError
-from z2r.page.content import WRONG_READINGS
+from z2r.show import report
+from z2r.show.page.content import WRONG_READINGS
 
 HOSTILE = "</script><img src=x onerror=alert(1)>"
 

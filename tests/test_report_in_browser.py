@@ -14,7 +14,7 @@ from playwright.sync_api import Browser, Page, expect
 from test_report import HOSTILE, make_hostile
 
 import z2r
-from z2r.page.content import WRONG_READINGS
+from z2r.show.page.content import WRONG_READINGS
 
 SHIPPED = {"standin": z2r.STANDIN, "messy": z2r.MESSY}
 READINGS = ("right", *WRONG_READINGS)

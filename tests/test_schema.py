@@ -3,7 +3,7 @@ import json
 import pytest
 
 import z2r
-from z2r.schema import read_schema
+from z2r.format.schema import read_schema
 
 NAMES = ["x", "y", "z"]
 

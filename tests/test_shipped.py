@@ -5,7 +5,7 @@ import pytest
 
 import z2r
 from z2r.data import SHIPPED
-from z2r.verdict import read_verdict
+from z2r.pusht.verdict import read_verdict
 
 
 @pytest.mark.parametrize("name", SHIPPED)

@@ -6,7 +6,7 @@ import inspect
 import pytest
 
 import z2r
-from z2r.source import show_source
+from z2r.course.source import show_source
 
 
 @pytest.mark.parametrize("thing", [z2r.decode_yaw, z2r.frame_errors, z2r.episode_reached, z2r.EpisodeIndex, z2r.load])

@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import z2r
-from z2r.pusht.env import PushTEnv
-from z2r.pusht.expert import ScriptedExpert
-from z2r.reading import PUSHT
+from z2r.pusht.simulator.env import PushTEnv
+from z2r.pusht.simulator.expert import ScriptedExpert
+from z2r.reading.reading import PUSHT
 
 SCHEMA = z2r.load(z2r.STANDIN).schema
 

@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import rich_click as click
 
-from z2r.breaks import BREAK_MODES, BreakMode, break_mode
-from z2r.checks import CHECKS
+from z2r.audits import CHECKS
 from z2r.data import SHIPPED
 from z2r.errors import DatasetError, MissingExtraError
 from z2r.pusht.task import DEMO_NOISE, MAX_STEPS
+from z2r.reading.breaks import BREAK_MODES, BreakMode, break_mode
 
 if TYPE_CHECKING:
-    from z2r.dataset import Dataset
+    from z2r.format.dataset import Dataset
 
 _SMOKE_STEPS = 40
 _SHIPPED_EPISODES = 6
@@ -230,9 +230,9 @@ def _recorded_afresh(wanted: _Wanted, quiet: bool) -> Iterator[Path]:
 
 
 def _record(out: Path, wanted: _Wanted, noise: float, quiet: bool) -> None:
-    from z2r import recorder
-    from z2r.terminal import console, expectation, progress
-    from z2r.wallclock import nearest_run
+    from z2r.pusht.simulator import recorder
+    from z2r.show.terminal import console, expectation, progress
+    from z2r.show.wallclock import nearest_run
 
     console(quiet).print(expectation(nearest_run("record", wanted.episodes), "episodes"), soft_wrap=True)
     seeds = range(wanted.seed, wanted.seed + wanted.episodes)
@@ -250,10 +250,10 @@ def _inspect(
     salvage: bool,
     as_json: bool,
 ) -> None:
-    from z2r.inspection import inspect_dataset, metrics_json
-    from z2r.terminal import console, expectation, left_out, progress, summary, wrong_on_purpose
-    from z2r.verdict import read_verdict
-    from z2r.wallclock import nearest_run
+    from z2r.pusht.verdict import read_verdict
+    from z2r.reading.inspection import inspect_dataset, metrics_json
+    from z2r.show.terminal import console, expectation, left_out, progress, summary, wrong_on_purpose
+    from z2r.show.wallclock import nearest_run
 
     if out.resolve().is_relative_to(root.resolve()):
         raise click.UsageError(f"{out} is inside the dataset, which is never written to: name another --out")
@@ -281,7 +281,7 @@ def _inspect(
     say = partial(screen.print, soft_wrap=True)
     say(f"wrote {out / 'metrics.json'}")
     if not no_rerun:
-        from z2r.replay import write_replay
+        from z2r.show.replay import write_replay
 
         replay = write_replay(mode.dataset(dataset) if mode else dataset, out / "inspect.rrd", inspection.reading)
         say(f"wrote {replay.path}: look at it with `rerun {replay.path}`")
@@ -297,11 +297,11 @@ def _inspect(
 def _load(root: Path, salvaged: bool) -> "tuple[Dataset, tuple[str, ...]]":
     """Load a dataset, and say what of it is left out."""
     if salvaged:
-        from z2r.salvage import salvage
+        from z2r.format.salvage import salvage
 
         found = salvage(root)
         return found.dataset, found.left_out
-    from z2r.dataset import load
+    from z2r.format.dataset import load
 
     with _way_out(root, salvaged):
         return load(root), ()
@@ -315,7 +315,7 @@ def _way_out(root: Path, salvaged: bool) -> Iterator[None]:
     except DatasetError as error:
         if salvaged or (error.path.name == "info.json" and not error.field.startswith("total_")):
             raise
-        from z2r.salvage import salvage
+        from z2r.format.salvage import salvage
 
         try:
             whole = len(salvage(root).dataset.episodes)
@@ -331,8 +331,8 @@ def _way_out(root: Path, salvaged: bool) -> Iterator[None]:
 def _audit(root: Path, mode: BreakMode | None, as_json: bool) -> int:
     import msgspec
 
-    from z2r.auditing import audit
-    from z2r.terminal import audit_report, console, progress, wrong_on_purpose
+    from z2r.audits.audit import audit
+    from z2r.show.terminal import audit_report, console, progress, wrong_on_purpose
 
     screen = console(as_json)
     if mode:
@@ -347,10 +347,10 @@ def _audit(root: Path, mode: BreakMode | None, as_json: bool) -> int:
 
 
 def _report(root: Path, out: Path) -> None:
-    from z2r.dataset import load
-    from z2r.report import write_report
-    from z2r.terminal import console, expectation, progress
-    from z2r.wallclock import nearest_run
+    from z2r.format.dataset import load
+    from z2r.show.report import write_report
+    from z2r.show.terminal import console, expectation, progress
+    from z2r.show.wallclock import nearest_run
 
     screen = console()
     dataset = load(root)

@@ -30,9 +30,9 @@ sys.path.insert(0, str(HERE.parent))
 from layouts import Layout, lay_out, read_dataset, write_dataset  # noqa: E402 -- a sibling of this folder
 
 import z2r  # noqa: E402
-from z2r.dataset import map_files  # noqa: E402
-from z2r.replay import write_replay  # noqa: E402
-from z2r.wallclock import machine_tier  # noqa: E402
+from z2r.format.dataset import map_files  # noqa: E402
+from z2r.show.replay import write_replay  # noqa: E402
+from z2r.show.wallclock import machine_tier  # noqa: E402
 
 FEATURES = ["observation.state", "action"]
 Z2R = [sys.executable, "-c", "from z2r.cli import main; main()"]
@@ -167,7 +167,7 @@ def read_against_bare_pyarrow(root: Path, runs: int) -> Row:
 def replay_against_rows(root: Path, scratch: Path, runs: int) -> Row:
     dataset = z2r.load(root)
     assert dataset.episodes.n_frames == 10_000
-    from z2r.reading import PUSHT
+    from z2r.reading.reading import PUSHT
 
     write_replay(dataset, scratch / "warm.rrd", PUSHT)
     sys.path.insert(0, str(HERE))

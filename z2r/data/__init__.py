@@ -7,7 +7,7 @@
   300 frames, none of the first thousand seeds ends like that.
 
 Next to each is a verdict: what the simulator said of every episode, the command that recorded it, and the stack that
-it ran on (`z2r.verdict`).
+it ran on (`z2r.pusht.verdict`).
 """
 
 from pathlib import Path

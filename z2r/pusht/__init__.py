@@ -1,1 +1,5 @@
-"""PushT: the planar world that was recorded, a pusher that shoves a T-shaped block onto a target."""
+"""One task: PushT, a disc that shoves a T-shaped block onto a target, and all that only this task knows.
+
+Its numbers, its bodies, its checks, the simulator's verdict and the simulator. Imports: `z2r.reading` and below; who
+shows or audits datasets gets it handed down as a scene, and never imports it.
+"""

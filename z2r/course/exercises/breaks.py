@@ -1,0 +1,160 @@
+"""Exercises of `06_break_modes`: how do I know that I read it right?"""
+
+from collections.abc import Callable
+from dataclasses import astuple, is_dataclass
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle, Rectangle
+
+from z2r.course import figures
+from z2r.course.exercises._core import Case, judge_function, judge_prediction
+from z2r.data import STANDIN
+from z2r.format.dataset import load
+from z2r.format.schema import STATE, Feature, Schema
+from z2r.pusht import task
+from z2r.pusht.overlap import pusher_in_block
+from z2r.reading.breaks import break_mode
+from z2r.reading.inspection import inspect_dataset
+from z2r.reading.reading import PUSHT, PoseColumns
+
+_OTHER = PoseColumns("box_x", "box_y", "sin_box", "cos_box")
+_SCHEMA = Schema("v3.0", 10, 1, 1, {STATE: Feature("float32", (10,), list(task.STATE_NAMES))}, "")
+# Pusher x, y and block x, y [m] and the block's yaw [degrees]; in none of them does the pusher touch the block.
+_PLACES = ((0.05, 0.1, 0.02, 0, 90), (0.05, 0.02, 0.05, -0.04, 0), (0, -0.07, 0.03, 0.02, -135), (-0.1, 0, 0, 0, 30))
+
+
+def predict_yaw_swap(
+    n_frames: int | None, longest: int | None, n_reached: int | None, n_reached_everywhere: int | None
+) -> Figure | None:
+    """Judge what the learner expects `yaw-swap` to make of the metrics of the first three episodes.
+
+    Parameters
+    ----------
+    n_frames, longest, n_reached : int or None
+        Number of frames, length of the longest episode [frames], number of episodes that seem to reach the target;
+        None where there is no prediction yet.
+    n_reached_everywhere : int or None
+        The last of these under `yaw-swap-everywhere`.
+
+    Returns
+    -------
+    Figure or None
+        The second episode in both readings of `yaw-swap`, for a wrong prediction.
+    """
+    mode, dataset = break_mode("yaw-swap"), load(STANDIN).first(3)
+    found = inspect_dataset(dataset, mode)
+    everywhere = inspect_dataset(dataset, break_mode("yaw-swap-everywhere")).outcome
+    assert found.outcome is not None
+    assert everywhere is not None
+    answers = n_frames, longest, n_reached, n_reached_everywhere
+    said = None if None in answers else _metrics(*answers)
+    truth = _metrics(
+        found.episodes.n_frames, max(found.episodes.lengths), found.outcome.n_reached, everywhere.n_reached
+    )
+    why = (
+        "Frames and lengths come from the episode index, which the swap does not touch. "
+        "The yaw comes from the swapped columns: near the target, about 90 degrees instead of about 0. "
+        "If the target's yaw is swapped too, both are wrong alike, and the angle between them stays."
+    )
+    judge_prediction(said, truth, why)
+    if said is None or said == truth:
+        return None
+    state = dataset.read(STATE)[dataset.episodes[1]]
+    return figures.right_and_wrong(state, PUSHT, mode.reading(PUSHT), dataset.schema)
+
+
+def check_swap(function: Callable[[PoseColumns], object]) -> None:
+    """Try a function that exchanges the two yaw columns of a pose.
+
+    Parameters
+    ----------
+    function : callable
+        The learner's: takes a PoseColumns, returns one that names sine and cosine the wrong way round.
+    """
+    cases = [
+        Case("the pose of the block", (PUSHT.tee,)),
+        Case("the pose of the target", (PUSHT.target,)),
+        Case("a pose with other names", (_OTHER,)),
+    ]
+
+    def shown(pose: PoseColumns) -> object:
+        answer = function(pose)
+        return _pose(*astuple(answer)) if is_dataclass(answer) and isinstance(answer, PoseColumns) else answer
+
+    def reference(pose: PoseColumns) -> str:
+        return _pose(pose.x, pose.y, pose.cos_yaw, pose.sin_yaw)
+
+    hint = "x and y stay. sin_yaw is to be the name that pose.cos_yaw holds. And the other one?"
+    judge_function(shown, reference, cases, hint)
+
+
+def check_seen_from_block(function: Callable[[float, float, float, float, float], object]) -> Figure | None:
+    """Try a function that says where the pusher is as seen from the block.
+
+    Parameters
+    ----------
+    function : callable
+        The learner's: takes x and y of the pusher and of the block [m] and the block's yaw [rad], returns the two
+        coordinates of the pusher in the frame of the block [m].
+
+    Returns
+    -------
+    Figure or None
+        Where the pusher is and where the answer has it, around the block, for the first place that went wrong.
+    """
+    cases = [
+        Case(
+            f"a pusher at ({px:g}, {py:g}) and a block at ({x:g}, {y:g}), turned by {degrees:g} degrees",
+            (px, py, x, y, float(np.deg2rad(degrees))),
+        )
+        for px, py, x, y, degrees in _PLACES
+    ]
+    hint = "Turn the block back to yaw 0, and the pusher with it. Which way is back?"
+    wrong = judge_function(function, _seen_from_block, cases, hint, untouched=_seen_from_block_as_handed_out)
+    if wrong is None:
+        return None
+    try:
+        across, along = np.asarray(function(*wrong.args), dtype=float)
+    except (TypeError, ValueError):  # not two numbers: nothing to draw
+        return None
+    return _draw_around_block(_seen_from_block(*wrong.args), (across, along))
+
+
+def _metrics(n_frames: object, longest: object, n_reached: object, n_reached_everywhere: object) -> str:
+    reached = f"{n_reached} of 3 reached, {n_reached_everywhere} of 3 with yaw-swap-everywhere"
+    return f"{n_frames} frames, the longest episode {longest}, {reached}"
+
+
+def _pose(x: str, y: str, sin_yaw: str, cos_yaw: str) -> str:
+    return f"x={x}, y={y}, sin_yaw={sin_yaw}, cos_yaw={cos_yaw}"
+
+
+def _seen_from_block(pusher_x: float, pusher_y: float, x: float, y: float, yaw: float) -> tuple[float, float]:
+    state = np.array([[pusher_x, pusher_y, x, y, np.sin(yaw), np.cos(yaw), 0.0, 0.0, 0.0, 1.0]])
+    across, along = pusher_in_block(state, PUSHT, _SCHEMA)
+    return float(across[0]), float(along[0])
+
+
+def _seen_from_block_as_handed_out(
+    pusher_x: float, pusher_y: float, x: float, y: float, yaw: float
+) -> tuple[float, float]:
+    dx, dy = pusher_x - x, pusher_y - y
+    return float(np.cos(yaw) * dx - np.sin(yaw) * dy), float(np.sin(yaw) * dx + np.cos(yaw) * dy)
+
+
+def _draw_around_block(expected: tuple[float, float], got: tuple[float, float]) -> Figure:
+    figure = plt.figure(figsize=(5, 5), layout="constrained", facecolor="#faf9f6")
+    plt.close(figure)
+    axes = figure.subplots()
+    boxes = ((task.BAR_CENTER, task.BAR_HALF_SIZE), (task.STEM_CENTER, task.STEM_HALF_SIZE))
+    for (x, y), (half_x, half_y, _) in boxes:
+        axes.add_patch(Rectangle((x - half_x, y - half_y), 2 * half_x, 2 * half_y, color="#b9c6d4"))
+    for place, color, style, what in ((expected, "#0072b2", "-", "expected"), (got, "#d55e00", "--", "your answer")):
+        axes.add_patch(Circle(place, task.PUSHER_RADIUS, fill=False, color=color, linestyle=style, linewidth=2))
+        axes.annotate(what, (place[0], place[1] + 1.2 * task.PUSHER_RADIUS), color=color, ha="center", va="bottom")
+    reach = 1.3 * max(0.12, *np.abs([*expected, *got]))
+    axes.set(aspect="equal", xlim=(-reach, reach), ylim=(-reach, reach), xlabel="across the block [m]")
+    axes.set(ylabel="along the block [m]", title="The pusher, as seen from the block")
+    return figure

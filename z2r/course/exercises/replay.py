@@ -1,0 +1,108 @@
+"""Exercises of `05_rerun_replay`: what did it look like?"""
+
+from collections.abc import Callable
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from z2r.course import figures
+from z2r.course.exercises._core import NOT_YET, Case, judge_function, judge_prediction
+from z2r.data import STANDIN
+from z2r.format.dataset import load
+from z2r.reading.breaks import break_mode
+from z2r.reading.reading import PUSHT, Reading, named_columns, read_pose
+from z2r.show.replay import yaw_quaternions
+
+_ALIKE = ("neither", "yaw", "position", "both")
+_TURNS = (60, -90, 150, -165, 0)  # degrees
+_MOMENTS = ((67, 10), (0, 10), (426, 10), (90, 30), (7, 2.5))  # frame number, frames a second
+
+
+def predict_same_rows(prediction: str | None) -> Figure | None:
+    """Judge which rows of the block the learner expects to be alike in a right replay and in one with `yaw-swap`.
+
+    Parameters
+    ----------
+    prediction : str or None
+        ``position``, ``yaw``, ``both`` or ``neither``; None where there is no prediction yet.
+
+    Returns
+    -------
+    Figure or None
+        The second episode in both readings, for a wrong prediction.
+    """
+    said = prediction.strip().lower().removesuffix("s") if isinstance(prediction, str) else prediction
+    if said not in (None, ..., *_ALIKE):
+        print(f"{NOT_YET}: you said {prediction!r}, but there are four answers: {', '.join(_ALIKE)}.")
+        return None
+    dataset = load(STANDIN)
+    wrong = break_mode("yaw-swap").reading(PUSHT)
+    state = dataset.read(PUSHT.feature)[dataset.episodes[1]]
+
+    def block(reading: Reading) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        pose = read_pose(named_columns(state, reading, dataset.schema), reading.tee)
+        return np.stack([pose.x, pose.y]), pose.yaw
+
+    alike = [np.allclose(one, other) for one, other in zip(block(PUSHT), block(wrong), strict=True)]
+    truth = _ALIKE[2 * alike[0] + alike[1]]
+    judge_prediction(said, truth, "The swap exchanges the sine and the cosine of the yaw. It does not touch x and y.")
+    return None if said in (None, ..., truth) else figures.right_and_wrong(state, PUSHT, wrong, dataset.schema)
+
+
+def check_sim_time(function: Callable[[int, float], object]) -> None:
+    """Try a function that says when a frame is shown.
+
+    Parameters
+    ----------
+    function : callable
+        The learner's: takes the number of a frame and the frames a second, returns the time [s].
+    """
+    cases = [Case(f"frame {frame} at {fps} frames a second", (frame, fps)) for frame, fps in _MOMENTS]
+    hint = "Frame 0 is shown at 0 s. At 10 frames a second, how many seconds is one frame?"
+    judge_function(function, lambda frame, fps: frame / fps, cases, hint)
+
+
+def check_quaternion(function: Callable[[float], object]) -> Figure | None:
+    """Try a function that turns a yaw into a quaternion.
+
+    Parameters
+    ----------
+    function : callable
+        The learner's: takes a yaw [rad], returns the four numbers x, y, z, w.
+
+    Returns
+    -------
+    Figure or None
+        The block as it should stand and as the viewer would draw it, for the first yaw that went wrong.
+    """
+    cases = [Case(f"a yaw of {degrees} degrees", (float(np.deg2rad(degrees)),)) for degrees in _TURNS]
+    hint = "A quaternion does not hold the sine and the cosine of the yaw itself. Of which angle, then?"
+    if _begins_with_w(function):
+        hint = "The order is x, y, z, w. Which of these are 0, and at which end do they stand?"
+    wrong = judge_function(function, _quaternion, cases, hint, untouched=_quaternion_as_handed_out)
+    if wrong is None:
+        return None
+    (yaw,) = wrong.args
+    try:
+        _, _, z, w = np.asarray(function(yaw), dtype=float)
+        return figures.two_poses((0.0, 0.0, yaw), (0.0, 0.0, float(2 * np.arctan2(z, w))))
+    except (TypeError, ValueError):  # not four numbers: nothing to draw
+        return None
+
+
+def _quaternion(yaw: float) -> NDArray[np.float64]:
+    quaternion: NDArray[np.float64] = yaw_quaternions(np.array([yaw]))[0]
+    return quaternion
+
+
+def _begins_with_w(function: Callable[[float], object]) -> bool:
+    try:
+        numbers = np.asarray(function(1.0), dtype=float)
+    except Exception:  # whatever the learner's code raises, the trials tell
+        return False
+    return numbers.shape == (4,) and bool(numbers[0]) and not numbers[1:3].any()
+
+
+def _quaternion_as_handed_out(yaw: float) -> NDArray[np.float64]:
+    return np.array([0.0, 0.0, np.sin(yaw), np.cos(yaw)])

@@ -1,0 +1,49 @@
+"""Exercises of `00_start_here`."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from z2r.course.exercises._core import Case, judge_function, judge_prediction
+from z2r.data import STANDIN
+from z2r.format.dataset import load
+from z2r.reading.breaks import break_mode
+from z2r.reading.inspection import inspect_dataset
+
+
+def check_yaw_swap(prediction: int | None) -> None:
+    """Hold a prediction of how many of the first three episodes seem to reach the target under `yaw-swap`.
+
+    Parameters
+    ----------
+    prediction : int or None
+        0 to 3; None where nobody has predicted yet.
+    """
+    outcome = inspect_dataset(load(STANDIN).first(3), break_mode("yaw-swap")).outcome
+    assert outcome is not None
+    judge_prediction(
+        prediction,
+        outcome.n_reached,
+        "A block that lies on the target has a yaw near 0. The swap reads that as 90 degrees, far out of tolerance.",
+    )
+
+
+def check_share_reached(function: Callable[..., object]) -> None:
+    """Try a function that returns the share of episodes that reached the target, in [0, 1].
+
+    Parameters
+    ----------
+    function : callable
+        Takes bool[n_episodes].
+    """
+    cases = [
+        Case("six episodes that all reached it", (np.ones(6, dtype=bool),)),
+        Case("four episodes of which one reached it", (np.array([False, True, False, False]),)),
+        Case("eight episodes of which none reached it", (np.zeros(8, dtype=bool),)),
+    ]
+    judge_function(
+        function,
+        lambda reached: float(np.mean(reached)),
+        cases,
+        hint="Count the True, and divide by how many there are in all.",
+    )

@@ -1,0 +1,155 @@
+"""Exercises of `04_hidden_success`: how many reached the target?"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from z2r.course import figures
+from z2r.course.exercises._core import Case, judge_function, judge_prediction
+from z2r.data import MESSY, STANDIN
+from z2r.format.dataset import Dataset, load
+from z2r.reading.angles import decode_yaw, wrap_angle
+from z2r.reading.reading import PUSHT, named_columns
+from z2r.reading.success import FrameErrors, frame_errors, in_tolerance
+
+_LOOSER_POS_TOL = 0.04  # m
+_OTHER_TARGET = {"target_x": 0.1, "target_y": -0.05, "sin_target_yaw": 0.28, "cos_target_yaw": -0.96}
+
+type _Array = NDArray[np.float64]
+type _Frame = dict[str, float]
+
+
+def check_looser(prediction: int | None) -> Figure | None:
+    """Hold a prediction against how many episodes of `messy` are read as reached within 0.04 m instead of 0.03 m.
+
+    Parameters
+    ----------
+    prediction : int or None
+        Number of episodes.
+
+    Returns
+    -------
+    Figure or None
+        Where the block ended in every episode, read with the looser tolerance; None as long as there is no prediction.
+    """
+    dataset, state = _read(MESSY)
+    last = state[dataset.episodes.to_index - 1]
+    looser = replace(PUSHT, pos_tol=_LOOSER_POS_TOL)
+    before, after = (
+        int(in_tolerance(frame_errors(last, reading, dataset.schema), reading).sum()) for reading in (PUSHT, looser)
+    )
+    why = f"Within {PUSHT.pos_tol} m it is {before}. Not one frame has changed: a count belongs to its tolerances."
+    judge_prediction(prediction, after, why)
+    return figures.final_poses(dataset, looser) if isinstance(prediction, int) else None
+
+
+def check_frame_errors(function: Callable[..., Any]) -> None:
+    """Try a function that measures how far the block is from the target.
+
+    Parameters
+    ----------
+    function : callable
+        The learner's: takes the columns of one frame by name, returns `pos_err` [m] and `ang_err` [rad].
+    """
+
+    def measure(frame: _Frame) -> _Array:
+        pos_err, ang_err = function(frame)
+        return np.array([float(pos_err), float(ang_err)])
+
+    first = _frame(STANDIN, 0, 0)
+    cases = [
+        Case("the first frame of episode 0 of standin", (first,)),
+        Case("the last frame of episode 0 of standin", (_frame(STANDIN, 0, -1),)),
+        Case("the first frame of episode 4 of standin", (_frame(STANDIN, 4, 0),)),
+        Case("the last frame of episode 4 of messy", (_frame(MESSY, 4, -1),)),
+        Case("the first frame of episode 0 with another target", (first | _OTHER_TARGET,)),
+    ]
+    hint = "Both errors go from the block to the target. From where to where does each line measure?"
+    judge_function(
+        measure, _both_errors, cases, hint, untouched=_errors_as_handed_out, special_hint=_hint_about_the_angle
+    )
+
+
+def _hint_about_the_angle(got: _Array, expected: _Array) -> str | None:
+    if got.shape != expected.shape or not np.isclose(got[0], expected[0]):
+        return None
+    if not np.isclose(abs(wrap_angle(got[1])), expected[1]):
+        return None
+    if abs(got[1]) <= np.pi:
+        return "An error is never negative."
+    return "Two directions are never more than pi apart: what has to be done to a difference of two angles?"
+
+
+def check_episode_reached(function: Callable[..., Any]) -> Figure | None:
+    """Try a function that says whether an episode reached the target.
+
+    Parameters
+    ----------
+    function : callable
+        The learner's: takes `pos_err` [m] and `ang_err` [rad] of all frames of an episode, returns a bool.
+
+    Returns
+    -------
+    Figure or None
+        The errors of the first episode that was judged wrong, and the tolerances.
+    """
+
+    def judge(pos_err: _Array, ang_err: _Array) -> object:
+        answer = function(pos_err, ang_err)
+        return answer if np.ndim(answer) == 0 else f"{np.size(answer)} values"
+
+    solved = _errors(STANDIN, 0)
+    trials = {
+        "episode 0 of standin": solved,
+        "episode 2 of messy": _errors(MESSY, 2),
+        "episode 10 of messy": _errors(MESSY, 10),
+        "episode 0 of standin played backwards": FrameErrors(solved.pos_err[::-1], solved.ang_err[::-1]),
+        "episode 0 of standin with ang_err larger by 0.4 rad": FrameErrors(solved.pos_err, solved.ang_err + 0.4),
+    }
+    cases = [Case(what, tuple(errors)) for what, errors in trials.items()]
+    hint = "One frame decides, and both of its errors count"
+    wrong = judge_function(judge, _reached, cases, f"{hint}: which frame, and how many tolerances are there?")
+    if wrong is None:
+        return None
+    return figures.error_traces(FrameErrors(*wrong.args), PUSHT, _read(STANDIN)[0].schema.fps)
+
+
+@cache
+def _read(root: Path) -> tuple[Dataset, NDArray[np.generic]]:
+    dataset = load(root)
+    return dataset, dataset.read(PUSHT.feature)
+
+
+def _errors(root: Path, episode: int) -> FrameErrors:
+    dataset, state = _read(root)
+    return frame_errors(state[dataset.episodes[episode]], PUSHT, dataset.schema)
+
+
+def _frame(root: Path, episode: int, number: int) -> _Frame:
+    """Return one frame of an episode, its columns by name."""
+    dataset, state = _read(root)
+    columns = named_columns(state[dataset.episodes[episode]], PUSHT, dataset.schema)
+    return {name: float(values[number]) for name, values in columns.items()}
+
+
+def _both_errors(frame: _Frame) -> _Array:
+    dataset, _ = _read(STANDIN)
+    state = np.array([[frame[name] for name in dataset.schema.features[PUSHT.feature].dim_names]])
+    return np.concatenate(frame_errors(state, PUSHT, dataset.schema))
+
+
+def _errors_as_handed_out(frame: _Frame) -> _Array:
+    distance = np.hypot(frame["tee_x"] - frame["pusher_x"], frame["tee_y"] - frame["pusher_y"])
+    tee_yaw = decode_yaw(frame["sin_tee_yaw"], frame["cos_tee_yaw"])
+    target_yaw = decode_yaw(frame["sin_target_yaw"], frame["cos_target_yaw"])
+    return np.array([distance, np.abs(wrap_angle(tee_yaw - target_yaw))])
+
+
+def _reached(pos_err: _Array, ang_err: _Array) -> bool:
+    return bool(in_tolerance(FrameErrors(pos_err, ang_err), PUSHT)[-1])

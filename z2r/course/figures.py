@@ -1,0 +1,488 @@
+"""Pictures that teach: one episode, the whole dataset, and what a wrong reading does to both.
+
+Every picture is an opaque light card, so that it reads on a light page and on a dark one. Colours are Okabe and Ito's,
+which colour-blind people tell apart, and nothing is told by colour alone. A figure is returned closed, so a notebook
+shows it once: where it is the last expression of a cell.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle
+from matplotlib.patheffects import withStroke
+from numpy.typing import NDArray
+
+from z2r.course import drawing
+from z2r.course.field_guide import Change
+from z2r.format.dataset import Dataset
+from z2r.format.episodes import EpisodeIndex
+from z2r.format.schema import Schema
+from z2r.pusht.overlap import pusher_in_block
+from z2r.reading.angles import decode_yaw, wrap_angle
+from z2r.reading.reading import PoseColumns, Reading, named_columns, read_pose
+from z2r.reading.success import FrameErrors, frame_errors, in_tolerance
+
+_RIBBON_POINTS = 7.2 * 72  # about how wide the ribbon is on the page
+_NEAR = 0.1  # m: what is farther from the block than this says nothing about overlap
+_MAX_NUMBERS = 12  # more would hide what they number
+_COLUMNS = (
+    *("episodes\ngone", "other\nlength", "reached\nis wrong"),
+    *("final\npos_err", "final\nang_err", "picture", "action", "speed"),
+)
+_MAX_CHECKS = 2  # names that fit in one cell
+
+
+@drawing.in_style
+def episode_path(state: NDArray[np.generic], reading: Reading, schema: Schema) -> Figure:
+    """Draw one episode seen from above: some moments of the block, and the paths of block and pusher.
+
+    Parameters
+    ----------
+    state : ndarray, (n_frames, size of the feature)
+        Values of the feature that `reading` reads, at least one frame. Positions in m.
+    reading : Reading
+        What the columns mean.
+    schema : Schema
+        Where the columns stand.
+
+    Raises
+    ------
+    ValueError
+        If there is no frame, or the schema lacks a column of the reading.
+    """
+    scene = drawing.read_scene(state, reading, schema)
+    figure = drawing.new_figure(7, 7.2)
+    axes = figure.subplots()
+    n_drawn = len(drawing.draw_scene(axes, scene, n_moments=7))
+    drawing.draw_path(axes, scene.pusher, drawing.PUSHER, "pusher")
+    # Neither on the way to the block, nor through the wall.
+    drawing.write_label(axes, "pusher starts", scene.pusher[0], np.sign(scene.pusher[0]) * (-1, 1), drawing.PUSHER)
+    drawing.set_frame(axes, drawing.WALLS, margin=0.02)
+    drawing.write_label(axes, "walls", drawing.WALLS[2], (-1, 1), drawing.GREY)
+    moments = f"the block at {_count(n_drawn, 'moment')}, from light to strong"
+    axes.set_title(f"{_count(len(state), 'frame')} from above; {moments}\ndot: start, cross: end")
+    return figure
+
+
+@drawing.in_style
+def right_and_wrong(state: NDArray[np.generic], right: Reading, wrong: Reading, schema: Schema) -> Figure:
+    """Draw the same frames twice, as two readings have them: where the block was, and the pusher at those moments.
+
+    Parameters
+    ----------
+    state : ndarray, (n_frames, size of the feature)
+        Values of the feature that both readings read, at least one frame. Positions in m.
+    right, wrong : Reading
+        What the columns mean, and what somebody takes them to mean. Where they differ is in the titles.
+    schema : Schema
+        Where the columns stand.
+
+    Raises
+    ------
+    ValueError
+        If there is no frame, or the schema lacks a column of a reading.
+    """
+    figure = drawing.new_figure(7.6, 4.2)
+    panels = figure.subplots(1, 2, sharex=True, sharey=True)
+    corners: list[drawing.Array] = []
+    for axes, what, color, one, other in zip(
+        panels,
+        ("read right", "read wrong"),
+        (drawing.RIGHT, drawing.WRONG),
+        (right, wrong),
+        (wrong, right),
+        strict=True,
+    ):
+        scene = drawing.read_scene(state, one, schema)
+        corners += [*drawing.draw_scene(axes, scene, n_moments=3), *drawing.tee_outlines(scene.target)]
+        drawing.write_label(axes, "pusher", scene.pusher[-1], (1, -1), drawing.PUSHER, gap=12)
+        axes.set_title("\n".join([what, *_yaws_that_differ(one, other)]), color=color, size=10)
+    for axes in panels:
+        drawing.set_frame(axes, np.concatenate(corners), margin=0.05, ratio=1)
+    panels[1].set_ylabel("")
+    return figure
+
+
+@drawing.in_style
+def seen_from_block(state: NDArray[np.generic], right: Reading, wrong: Reading, schema: Schema) -> Figure:
+    """Draw where the pusher was in every frame as seen from the block, as two readings have it.
+
+    Solid bodies stay apart, so the right reading leaves the block empty, and a gap around it as wide as the pusher.
+
+    Parameters
+    ----------
+    state : ndarray, (n_frames, size of the feature)
+        Values of the feature that both readings read. Positions in m.
+    right, wrong : Reading
+        What the columns mean, and what somebody takes them to mean.
+    schema : Schema
+        Where the columns stand.
+
+    Raises
+    ------
+    ValueError
+        If the schema lacks a column of a reading.
+    """
+    figure = drawing.new_figure(7.6, 4.2)
+    panels = figure.subplots(1, 2, sharex=True, sharey=True)
+    for axes, what, color, reading in zip(
+        panels, ("read right", "read wrong"), (drawing.RIGHT, drawing.WRONG), (right, wrong), strict=True
+    ):
+        across, along = pusher_in_block(state, reading, schema)
+        outline = drawing.draw_tees(axes, drawing.single_pose(0, 0, 0), drawing.TEE, "block", fill=0.25).reshape(-1, 2)
+        axes.plot(across, along, ".", color=drawing.PUSHER, markersize=4, gid="pusher")
+        axes.set_title(what, color=color)
+        (left, bottom), (right_end, top) = outline.min(axis=0) - _NEAR, outline.max(axis=0) + _NEAR
+        axes.set(aspect="equal", xlabel="across the block [m]", xlim=(left, right_end), ylim=(bottom, top))
+    panels[0].set_ylabel("along the block [m]")
+    return figure
+
+
+@drawing.in_style
+def episode_ribbon(episodes: EpisodeIndex, reached: NDArray[np.bool_] | None = None) -> Figure:
+    """Draw a whole dataset at a glance: all frames in one bar, and a segment of it for each episode.
+
+    Parameters
+    ----------
+    episodes : EpisodeIndex
+        At least one episode.
+    reached : ndarray, bool[n_episodes], optional
+        Which of them reached the target. Those that did not hang lower, in another colour, and hatched.
+
+    Raises
+    ------
+    ValueError
+        If there is no episode, or `reached` has another length than the index.
+    """
+    if not len(episodes) or (reached is not None and len(reached) != len(episodes)):
+        found = "" if reached is None else f" and {len(reached)} values of reached"
+        raise ValueError(f"found {len(episodes)} episodes{found}, expected at least one and a value for each")
+    figure = drawing.new_figure(8.5, 1.3 if reached is None else 1.7)
+    axes = figure.subplots()
+    axes.set(xlim=(episodes.from_index[0], episodes.to_index[-1]), xlabel="frame of the dataset", yticks=[])
+    axes.xaxis.set_major_formatter("{x:,.0f}")
+    axes.spines[["left", "bottom"]].set_visible(False)
+    counted = f"{_count(len(episodes), 'episode')}, {_count(episodes.n_frames, 'frame')}"
+    if reached is None:
+        _draw_segments(axes, episodes, np.ones(len(episodes), np.bool_), 0.0, drawing.BLUE, "")
+        axes.set_title(counted)
+        return figure
+    reached = np.asarray(reached, np.bool_)
+    _draw_segments(axes, episodes, reached, 0.4, drawing.RIGHT, "")
+    _draw_segments(axes, episodes, ~reached, 0.0, drawing.WRONG, "////")
+    axes.set(ylim=(0, 1), yticks=[0.7, 0.3], yticklabels=["reached", "not reached"])
+    axes.tick_params(axis="y", length=0)
+    for label, color in zip(axes.get_yticklabels(), (drawing.RIGHT, drawing.WRONG), strict=True):
+        label.set_color(color)
+    axes.set_title(f"{counted}: {_tally(reached)}")
+    return figure
+
+
+@drawing.in_style
+def yaw_circle(sin_yaw: float, cos_yaw: float) -> Figure:
+    """Draw one yaw on the unit circle, decoded right and decoded with the two arguments swapped.
+
+    Parameters
+    ----------
+    sin_yaw, cos_yaw : float
+        Sine and cosine of the yaw, as they are stored.
+
+    Raises
+    ------
+    ValueError
+        If both are zero, or one is not finite: that is no direction.
+    """
+    if not np.isfinite([sin_yaw, cos_yaw]).all() or sin_yaw == cos_yaw == 0:
+        raise ValueError(f"found sin {sin_yaw} and cos {cos_yaw}, expected finite numbers that are not both zero")
+    right, wrong = float(decode_yaw(sin_yaw, cos_yaw)), float(decode_yaw(cos_yaw, sin_yaw))
+    figure = drawing.new_figure(8, 4.7)
+    axes, notes = figure.subplots(1, 2, width_ratios=[5, 3])
+    axes.set(aspect="equal", xlim=(-1.75, 1.75), ylim=(-1.75, 1.75), xlabel="cos(yaw)", ylabel="sin(yaw)")
+    axes.set(xticks=[-1, 0, 1], yticks=[-1, 0, 1], title="Swapped arguments mirror the yaw about 45°")
+    axes.add_patch(Circle((0, 0), 1, fill=False, color=drawing.GREY, linewidth=1))
+    axes.plot((-1.2, 1.2), (-1.2, 1.2), color=drawing.GREY, linestyle=(0, (6, 3)), linewidth=1.2, gid="mirror")
+    axes.plot(
+        *np.transpose([drawing.on_circle(right), drawing.on_circle(wrong)]),
+        color=drawing.GREY,
+        linestyle=":",
+        linewidth=1.2,
+    )
+    axes.plot(
+        *drawing.on_circle(right + np.pi / 2),
+        "o",
+        markersize=11,
+        color=drawing.GREY,
+        fillstyle="none",
+        gid="quarter turn",
+    )
+    # Each number stands on the side of its ray that is away from the mirror, so the two never collide.
+    side = 1.0 if wrap_angle(right - wrong) > 0 else -1.0
+    _draw_yaw(axes, right, side, drawing.RIGHT, "-", "right")
+    _draw_yaw(axes, wrong, -side, drawing.WRONG, "--", "wrong")
+    _write_notes(notes, right, wrong)
+    return figure
+
+
+@drawing.in_style
+def error_traces(errors: FrameErrors, reading: Reading, fps: float) -> Figure:
+    """Draw how far the block is from the target in each frame of one episode, and the tolerances.
+
+    Parameters
+    ----------
+    errors : FrameErrors
+        From `z2r.frame_errors`: distance [m] and yaw [rad], each float64[n_frames], at least one frame.
+    reading : Reading
+        Has the tolerances.
+    fps : float
+        Frames a second, from the schema.
+
+    Raises
+    ------
+    ValueError
+        If there is no frame, or `fps` is not positive.
+    """
+    if not len(errors.pos_err) or not fps > 0:
+        raise ValueError(f"found {len(errors.pos_err)} frames at {fps} fps, expected at least one at more than 0 fps")
+    figure = drawing.new_figure(8, 4.4)
+    panels = figure.subplots(2, 1, sharex=True)
+    _draw_trace(panels[0], errors.pos_err, fps, reading.pos_tol, "pos_err", "m")
+    _draw_trace(panels[1], errors.ang_err, fps, reading.ang_tol, "ang_err", "rad")
+    panels[1].set_xlabel("time [s]")
+    outcome = "in tolerance: reached" if in_tolerance(errors, reading)[-1] else "out of tolerance: not reached"
+    panels[0].set_title(f"The last stored frame is {outcome}")
+    return figure
+
+
+@drawing.in_style
+def final_poses(dataset: Dataset, reading: Reading) -> Figure:
+    """Draw where the block stands in the last stored frame of every episode.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        From `z2r.load`.
+    reading : Reading
+        What the columns mean.
+
+    Raises
+    ------
+    DatasetError
+        If a data file is missing, damaged, or not what the schema and the index say.
+    ValueError
+        If the schema lacks a column of the reading.
+    """
+    last = dataset.read(reading.feature)[dataset.episodes.to_index - 1]
+    reached = in_tolerance(frame_errors(last, reading, dataset.schema), reading)
+    columns = named_columns(last, reading, dataset.schema)
+    tee = read_pose(columns, reading.tee)
+    figure = drawing.new_figure(7.6, 4.3)
+    axes = figure.subplots()
+    target = drawing.draw_target(axes, read_pose(columns, reading.target))
+    strength = float(np.clip(12 / len(reached), 0.02, 0.9))  # of thousands, each is faint: where they agree adds up
+    for chosen, color, line, what in (
+        (reached, drawing.RIGHT, "solid", "reached"),
+        (~reached, drawing.WRONG, "dashed", "not reached"),
+    ):
+        drawing.draw_tees(
+            axes, drawing.select_frames(tee, chosen), color, what, [strength], fill=0, linestyle=line, linewidth=1.3
+        )
+    outlines = drawing.tee_outlines(tee)
+    drawing.set_frame(axes, np.concatenate([*outlines, target]), margin=0.02, ratio=1.3)
+    drawing.write_key(axes, "solid: reached", "dashed: not reached", "dotted: target")
+    if (~reached).sum() <= _MAX_NUMBERS:
+        for episode in np.flatnonzero(~reached).tolist():
+            drawing.write_beside(axes, f"{episode}", outlines[episode], target.mean(axis=0), drawing.WRONG)
+    axes.set_title(f"{_count(len(reached), 'episode')}: {_tally(reached)}")
+    return figure
+
+
+@drawing.in_style
+def two_poses(
+    expected: tuple[float, float, float], got: tuple[float, float, float], label: str = "your answer"
+) -> Figure:
+    """Draw the T where it should be and where somebody has it.
+
+    Parameters
+    ----------
+    expected, got : tuple of three float
+        x [m], y [m], yaw [rad].
+    label : str, optional
+        What to call `got`.
+
+    Raises
+    ------
+    ValueError
+        If a number is not finite.
+    """
+    if not np.isfinite([*expected, *got]).all():
+        raise ValueError(f"found {expected} and {got}, expected finite numbers")
+    figure = drawing.new_figure(7.5, 4.2)
+    axes = figure.subplots()
+    one = drawing.draw_tees(axes, drawing.single_pose(*expected), drawing.RIGHT, "expected", linewidth=2)
+    other = drawing.draw_tees(axes, drawing.single_pose(*got), drawing.WRONG, "got", linewidth=2, linestyle="dashed")
+    drawing.set_frame(axes, np.concatenate([*one, *other]), margin=0.03, ratio=1.4)
+    drawing.write_key(axes, "solid: expected", f"dashed: {label}")
+    distance = np.hypot(got[0] - expected[0], got[1] - expected[1])
+    turn = np.rad2deg(wrap_angle(got[2] - expected[2]))
+    axes.set_title(f"{label}: {distance:.3f} m away and turned by {turn:+.1f}°")
+    return figure
+
+
+@drawing.in_style
+def action_and_motion(action: drawing.Array, velocity: drawing.Array, fps: float) -> Figure:
+    """Draw what was asked of the pusher and what it did, along one axis.
+
+    Parameters
+    ----------
+    action : ndarray, float64[n_frames]
+        The velocity that the action of each frame asks for [m/s], at least two frames.
+    velocity : ndarray, float64[n_frames - 1]
+        How fast the pusher went from each frame to the next [m/s].
+    fps : float
+        Frames a second.
+
+    Raises
+    ------
+    ValueError
+        If there are fewer than two frames, or not one velocity less than actions.
+    """
+    if len(action) < 2 or len(velocity) != len(action) - 1:
+        raise ValueError(f"found {len(action)} actions and {len(velocity)} velocities, expected 2 or more and one less")
+    figure = drawing.new_figure(8, 2.9)
+    axes = figure.subplots()
+    time = np.arange(len(action)) / fps
+    axes.plot(time, action, "o", color=drawing.BLUE, markersize=7, fillstyle="none", gid="action")
+    axes.plot(time[:-1], velocity, "x-", color=drawing.VERMILLION, markersize=6, linewidth=1, gid="motion")
+    axes.set(xlabel="time of the frame [s]", ylabel="velocity [m/s]")
+    axes.set_title("ring: what the action of a frame asks, cross: what the pusher then does")
+    return figure
+
+
+@drawing.in_style
+def what_changes(changes: Sequence[Change]) -> Figure:
+    """Draw what each break mode changes, and which checks of the audit notice it.
+
+    Parameters
+    ----------
+    changes : sequence of Change
+        From `z2r.course.field_guide.what_changes`, at least one.
+
+    Raises
+    ------
+    ValueError
+        If there is none.
+    """
+    if not changes:
+        raise ValueError("found no change, expected at least one")
+    figure = drawing.new_figure(11.5, 1 + 0.36 * len(changes))
+    axes = figure.subplots()
+    axes.set(xlim=(-0.5, 10.7), ylim=(len(changes) - 0.4, -0.6), xticks=range(len(_COLUMNS)), xticklabels=_COLUMNS)
+    axes.set(yticks=range(len(changes)), yticklabels=[change.name for change in changes])
+    axes.text(7.6, -0.7, "checks of the audit\nthat find it", va="bottom")
+    axes.tick_params(length=0, labeltop=True, labelbottom=False)
+    axes.spines[["left", "bottom"]].set_visible(False)
+    for row, change in enumerate(changes):
+        axes.axhline(row + 0.5, color=drawing.GREY, linewidth=0.3)
+        for column, text in enumerate(_marks(change)):
+            style: dict[str, Any] = {"boxstyle": "round,pad=0.25", "edgecolor": drawing.WRONG, "facecolor": "none"}
+            axes.text(column, row, text or "·", ha="center", va="center", bbox=style if text else None)
+        axes.text(7.6, row, _noticed(change), va="center", weight="normal" if change.checks else "bold")
+    return figure
+
+
+def _marks(change: Change) -> list[str]:
+    """Say of each column by how much it changes; empty where it does not."""
+    counts = [f"{count}" if count else "" for count in (change.missing, change.lengths, change.reached)]
+    errors = [
+        f"{change.pos_err:.2f} m" if change.pos_err else "",
+        f"{change.ang_err:.2f} rad" if change.ang_err else "",
+    ]
+    shares = [f"{100 * share:.0f} %" if share else "" for share in (change.picture, change.action)]
+    return [*counts, *errors, *shares, "" if change.speed == 1 else f"{change.speed:.0f} x"]
+
+
+def _noticed(change: Change) -> str:
+    if change.is_dormant:
+        return "nothing to find here"
+    more = len(change.checks) - _MAX_CHECKS
+    names = ", ".join(change.checks[:_MAX_CHECKS]) or "NONE"
+    return f"{names}, {more} more" if more > 0 else names
+
+
+def _yaws_that_differ(reading: Reading, other: Reading) -> list[str]:
+    def formula(pose: PoseColumns) -> str:
+        return f"atan2({pose.sin_yaw}, {pose.cos_yaw})"
+
+    pairs = (("block", reading.tee, other.tee), ("target", reading.target, other.target))
+    return [f"{what}: {formula(one)}" for what, one, two in pairs if formula(one) != formula(two)]
+
+
+def _draw_segments(
+    axes: Axes, episodes: EpisodeIndex, chosen: NDArray[np.bool_], bottom: float, color: str, hatch: str
+) -> None:
+    """Draw the chosen episodes as segments of the bar; boundaries and numbers where there are pixels for them."""
+    lengths = episodes.lengths[chosen]
+    spans = list(zip(episodes.from_index[chosen].tolist(), lengths.tolist(), strict=True))
+    points = _RIBBON_POINTS * lengths / episodes.n_frames  # how wide each segment is, in points
+    typical = float(np.median(points)) if len(points) else 0.0
+    style: dict[str, Any] = {"facecolor": color, "edgecolor": drawing.CARD if typical > 1 else "none"}
+    style |= {"linewidth": min(1.2, 0.2 * typical), "hatch": hatch if typical > 8 else ""}
+    axes.broken_barh(spans, (bottom, 0.6), snap=False, gid="episodes", **style)
+    halo = [withStroke(linewidth=4, foreground=color)]
+    for number, (start, length), width in zip(np.flatnonzero(chosen).tolist(), spans, points, strict=True):
+        if width > 7 * len(f"{number}") + 4:
+            middle = (start + length / 2, bottom + 0.3)
+            axes.text(*middle, f"{number}", color="white", ha="center", va="center", path_effects=halo)
+
+
+def _draw_yaw(axes: Axes, yaw: float, side: float, color: str, linestyle: str, what: str) -> None:
+    """Draw a yaw as a ray, with a T that points along it, and its number on the given side of the ray."""
+    tip = drawing.on_circle(yaw)
+    axes.plot(*np.transpose([(0, 0), tip]), color=color, linestyle=linestyle, linewidth=2, gid=what)
+    drawing.draw_tees(
+        axes,
+        drawing.single_pose(*drawing.on_circle(yaw, 1.35), yaw),
+        color,
+        f"{what} block",
+        size=4,
+        linestyle=linestyle,
+    )
+    axes.plot(*tip, "o", color=color, markersize=6)
+    drawing.write_label(
+        axes, f"{np.rad2deg(yaw):.1f}°", np.multiply(0.6, tip), drawing.on_circle(yaw + np.pi / 2, side), color
+    )
+
+
+def _write_notes(axes: Axes, right: float, wrong: float) -> None:
+    axes.axis("off")
+    quarter = np.rad2deg(wrap_angle(right + np.pi / 2))
+    for height, color, text in (
+        (0.9, drawing.RIGHT, f"read right\natan2(sin, cos) = {np.rad2deg(right):.1f}°"),
+        (0.7, drawing.WRONG, f"read wrong\natan2(cos, sin) = {np.rad2deg(wrong):.1f}°"),
+        (0.5, drawing.GREY, "dashed: the mirror at 45°, halfway\nbetween the two"),
+        (0.3, drawing.GREY, f"ring: {quarter:.1f}°, where turning\nby 90° would have put it"),
+    ):
+        axes.text(0, height, text, color=color, va="top")
+
+
+def _draw_trace(axes: Axes, values: drawing.Array, fps: float, tolerance: float, name: str, unit: str) -> None:
+    time = np.arange(len(values)) / fps
+    end = max(time[-1], 1 / fps)
+    axes.axhspan(0, tolerance, color=drawing.GREEN, alpha=0.2, linewidth=0, gid="tolerance")
+    axes.plot(time, values, color=drawing.BLUE, linewidth=1.8, gid=name)
+    axes.plot(time[-1], values[-1], "o", color=drawing.INK, markersize=6, gid="last stored frame")
+    axes.set(ylabel=f"{name} [{unit}]", xlim=(0, 1.22 * end), ylim=(0, 1.1 * max(tolerance, values.max())))
+    last = f"last stored frame\n{values[-1]:.3f} {unit}"
+    drawing.write_label(axes, last, np.array([time[-1], values[-1]]), (1, 0.5), drawing.INK)
+    drawing.write_label(axes, f"tolerance {tolerance:g} {unit}", np.array([0, tolerance]), (1, 1), drawing.GREEN, gap=4)
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number:,} {noun}{'' if number == 1 else 's'}"
+
+
+def _tally(reached: NDArray[np.bool_]) -> str:
+    return f"{reached.sum():,} reached, {(~reached).sum():,} not reached"

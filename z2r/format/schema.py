@@ -1,0 +1,286 @@
+"""Fact one: the schema. What is a frame?
+
+`meta/info.json` names every feature that is stored for a frame, with its dtype and shape, and the names of its
+dimensions. The layout is that of LeRobot's dataset format v3.0 (lerobot 0.6.1, `lerobot/datasets/utils.py`).
+"""
+
+import math
+import re
+import string
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import msgspec
+
+from z2r.errors import DatasetError
+
+INFO_PATH = Path("meta/info.json")
+STATE = "observation.state"
+ACTION = "action"
+
+# Every LeRobot dataset has these five beside what the robot saw and did.
+BOOKKEEPING = ("timestamp", "frame_index", "episode_index", "index", "task_index")
+
+_NOT_NUMERIC = ("image", "video", "string", "language")
+_CONVERTER = "python -m lerobot.scripts.convert_dataset_v21_to_v30 --repo-id=REPO_ID"
+_MAX_INFO_BYTES = 64 * 2**20
+_MAX_FEATURES = 10_000
+MAX_SIGNAL_SIZE = 1024  # numbers a frame: more than that is a picture
+
+
+class Feature(msgspec.Struct, frozen=True):
+    """One thing that is stored for every frame.
+
+    Attributes
+    ----------
+    dtype : str
+        Name of a numpy dtype, or ``image``, ``video``, ``string``.
+    shape : tuple of int
+        Shape of one frame's value.
+    names : object
+        What the file gives as names of the dimensions: a list, a dict, or nothing. `dim_names` reads them.
+    """
+
+    dtype: str
+    shape: tuple[Annotated[int, msgspec.Meta(ge=0)], ...]
+    names: Any = None
+
+    @property
+    def size(self) -> int:
+        """How many numbers one frame holds."""
+        return math.prod(self.shape)
+
+    @property
+    def is_numeric(self) -> bool:
+        """Whether the values are numbers in the data files (not pictures or text)."""
+        return not self.dtype.startswith(_NOT_NUMERIC)
+
+    @property
+    def dim_names(self) -> tuple[str, ...]:
+        """The name of each dimension; empty where the file does not give one for each."""
+        names = self.names
+        if isinstance(names, dict) and len(names) == 1:  # {"motors": [...]}
+            (names,) = names.values()
+        if isinstance(names, list | tuple) and len(names) == self.size and all(isinstance(name, str) for name in names):
+            return tuple(names)
+        return ()
+
+
+class Schema(msgspec.Struct, frozen=True):
+    """The schema of a dataset, and the totals that it states.
+
+    Attributes
+    ----------
+    codebase_version : str
+        Version of the dataset format, such as ``v3.0``.
+    fps : int or float
+        Frames a second, from 1e-6 to 1e6: beyond, nothing that is recorded makes sense.
+    total_episodes, total_frames : int
+        What the file says; `z2r.format.episodes` holds it against the episode index.
+    features : dict of str to Feature
+        In the order of the file.
+    data_path : str
+        Template of a data file's path: ``data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet``.
+    """
+
+    codebase_version: str
+    fps: Annotated[int, msgspec.Meta(ge=1, le=10**6)] | Annotated[float, msgspec.Meta(ge=1e-6, le=1e6)]
+    total_episodes: Annotated[int, msgspec.Meta(ge=0)]
+    total_frames: Annotated[int, msgspec.Meta(ge=0)]
+    features: dict[str, Feature]
+    data_path: str
+
+    def columns(self, feature: str, names: Sequence[str]) -> list[int]:
+        """Find dimensions of a feature by their names.
+
+        Parameters
+        ----------
+        feature : str
+            Such as ``observation.state``.
+        names : sequence of str
+            Such as ``["sin_tee_yaw", "cos_tee_yaw"]``.
+
+        Returns
+        -------
+        list of int
+            Where each stands in the feature, in the order asked for.
+
+        Raises
+        ------
+        ValueError
+            If the feature or a name is not in the schema; the message lists those that are.
+        """
+        if feature not in self.features:
+            raise ValueError(f"no feature {feature!r} among {', '.join(self.features)}")
+        dims = self.features[feature].dim_names
+        for name in names:
+            if name not in dims:
+                raise ValueError(
+                    f"no dimension {name!r} in {feature}: {', '.join(dims) or 'its dimensions have no names'}"
+                )
+        return [dims.index(name) for name in names]
+
+    def signals(self) -> dict[str, Feature]:
+        """Return the numeric features that the robot saw or did: all but the bookkeeping, pictures and depth maps."""
+        return {
+            name: feature
+            for name, feature in self.features.items()
+            if feature.is_numeric and feature.size <= MAX_SIGNAL_SIZE and name not in BOOKKEEPING
+        }
+
+
+def read_schema(root: Path) -> Schema:
+    """Read `meta/info.json`.
+
+    Parameters
+    ----------
+    root : Path
+        The folder of a LeRobot v3 dataset.
+
+    Raises
+    ------
+    DatasetError
+        If the folder or the file is missing, the file is not JSON, the format is not version 3, a field has the wrong
+        type, or the path template does more than name a chunk and a file.
+    """
+    path = root / INFO_PATH
+    raw = _read_info(root)
+    _check_version(_decode(raw, _Version, path).codebase_version, path)
+    features = _decode(raw, _Features, path).features
+    if len(features) > _MAX_FEATURES:
+        raise DatasetError(path, "features", found=f"{len(features):,} features", expected=f"at most {_MAX_FEATURES:,}")
+    for name, feature in features.items():
+        _decode(feature, Feature, path, f"features.{name}")  # one by one, so that an error says which
+    schema = _decode(raw, Schema, path)
+    _check_template(schema.data_path, path)
+    return schema
+
+
+def inside(root: Path, relative: Path | str) -> Path:
+    """Return a path below `root`, and refuse one that leads out of it.
+
+    A dataset is untrusted input: neither ``..`` nor a symbolic link may make a reader open what lies elsewhere. The one
+    exception is the Hugging Face cache, whose snapshots are links into the ``blobs`` folder of the same repository.
+
+    Raises
+    ------
+    DatasetError
+        If the path, links followed, is outside.
+    """
+    path = root / relative
+    try:
+        real, real_root = path.resolve(), root.resolve()
+        is_device = real.exists() and not real.is_file() and not real.is_dir()
+    except RuntimeError:  # Python up to 3.12 says so of a link that leads to itself
+        raise DatasetError(path, "", found="a link that leads to itself", expected="a file") from None
+    except (OSError, ValueError) as error:
+        raise DatasetError(path, "", found=f"a path that cannot be ({error.args[-1]})", expected="a file") from None
+    allowed = [real_root]
+    if real_root.parent.name == "snapshots":
+        allowed.append(real_root.parents[1] / "blobs")
+    if not any(real.is_relative_to(folder) for folder in allowed):
+        raise DatasetError(
+            path,
+            "",
+            found="a path that leads out of the dataset",
+            expected="a file inside the dataset",
+            mend="If you trust the link, copy the dataset with its links followed: cp -rL",
+        )
+    if is_device:
+        raise DatasetError(path, "", found="a pipe or a device, which may never end", expected="a file")
+    return path
+
+
+def data_file_path(root: Path, schema: Schema, chunk_index: int, file_index: int) -> Path:
+    """Return the path of one data file, from the schema's template.
+
+    Raises
+    ------
+    DatasetError
+        If it leads out of `root`.
+    """
+    return inside(root, schema.data_path.format(chunk_index=chunk_index, file_index=file_index))
+
+
+def _read_info(root: Path) -> bytes:
+    path = inside(root, INFO_PATH)
+    if not root.is_dir():
+        raise DatasetError(root, "", found="no such folder", expected="the folder of a LeRobot dataset")
+    try:
+        if path.stat().st_size > _MAX_INFO_BYTES:
+            raise DatasetError(path, "", found=f"{path.stat().st_size} bytes", expected=f"at most {_MAX_INFO_BYTES}")
+        return path.read_bytes()
+    except OSError as error:
+        raise DatasetError(
+            path,
+            "",
+            found=(error.strerror or str(error)).lower(),
+            expected="the schema of a LeRobot dataset",
+            mend="Name the folder that holds meta/ and data/",
+        ) from error
+
+
+class _Version(msgspec.Struct):
+    codebase_version: str
+
+
+class _Features(msgspec.Struct):
+    features: dict[str, msgspec.Raw]
+
+
+def _decode[T](raw: bytes | msgspec.Raw, kind: type[T], path: Path, inside_field: str = "") -> T:
+    try:
+        return msgspec.json.decode(raw, type=kind)
+    except msgspec.ValidationError as error:
+        raise _wrong_value(bytes(raw), str(error), path, inside_field) from error
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise DatasetError(
+            path,
+            inside_field,
+            found=f"broken JSON ({error})",
+            expected="whole JSON",
+            mend="Copy or download the file again",
+        ) from error
+
+
+def _wrong_value(raw: bytes, message: str, path: Path, inside_field: str) -> DatasetError:
+    """Turn msgspec's "Expected `int`, got `str` - at `$.fps`" into an error that shows the value."""
+    what, _, where = message.partition(" - at `$")
+    if missing := re.search("missing required field `(.*)`", what):
+        field = ".".join(filter(None, [inside_field, missing[1]]))
+        return DatasetError(path, field, found="nothing", expected="this field")
+    field = (inside_field + where.rstrip("`")).lstrip(".")
+    expected = what.removeprefix("Expected ").split(",")[0]
+    return DatasetError(path, field, found=_excerpt(raw, re.findall(r"\.(\w+)", where)), expected=expected)
+
+
+def _excerpt(raw: bytes, keys: Sequence[str]) -> str:
+    try:
+        for key in keys:
+            raw = bytes(msgspec.json.decode(raw, type=dict[str, msgspec.Raw])[key])
+    except (msgspec.MsgspecError, RecursionError):
+        return "something else"
+    return raw[:60].decode(errors="replace")
+
+
+def _check_version(version: str, path: Path) -> None:
+    if version.startswith("v3."):
+        return
+    mend = f"Convert it: {_CONVERTER}" if version.startswith("v2.") else ""
+    raise DatasetError(path, "codebase_version", found=repr(version), expected="'v3.0' or a later v3", mend=mend)
+
+
+def _check_template(template: str, path: Path) -> None:
+    """Let a template name its chunk and its file, zero-padded, and nothing else: `str.format` can do far more."""
+    expected = "a path such as data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
+    try:
+        fields = [(name, spec, how) for _, name, spec, how in string.Formatter().parse(template) if name is not None]
+    except ValueError:
+        fields = [("", "", None)]
+    plain = all(
+        name in ("chunk_index", "file_index") and spec in ("", "d", "02d", "03d", "04d", "05d", "06d") and how is None
+        for name, spec, how in fields
+    )
+    if not plain or Path(template).is_absolute() or ".." in Path(template).parts or "\0" in template:
+        raise DatasetError(path, "data_path", found=repr(template), expected=expected)

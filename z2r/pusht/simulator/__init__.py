@@ -1,0 +1,4 @@
+"""Where the shipped data came from: the environment in MuJoCo, the scripted expert, and the recorder.
+
+The only place that needs MuJoCo and LeRobot. Nothing that reads a dataset imports it.
+"""

@@ -1,0 +1,176 @@
+"""Is my data any good? Record demonstrations of your own with the simulator.
+
+The scripted expert drives, `LeRobotDataset` writes. A frame is the observation before a step and the action taken, as
+a robot would record it; the recorder stops when the environment latches success, so the observation after the last
+action is never stored.
+"""
+
+import contextlib
+import importlib.metadata
+import os
+import platform
+import shutil
+import tempfile
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from z2r.errors import MissingExtraError
+from z2r.format.schema import ACTION, STATE
+from z2r.pusht.task import ACTION_LIMIT, ACTION_NAMES, CONTROL_HZ, DEMO_NOISE, MAX_STEPS, STATE_NAMES, TASK
+from z2r.pusht.verdict import Recording, Verdict, write_verdict
+
+_STACK = ("z2r", "mujoco", "lerobot", "numpy")
+
+
+def record(
+    out: str | os.PathLike[str],
+    seeds: Sequence[int],
+    noise: float = DEMO_NOISE,
+    max_steps: int = MAX_STEPS,
+    progress: Callable[[int, int], None] = lambda done, total: None,
+) -> Recording:
+    """Record one episode for each seed as a LeRobot v3 dataset, and the simulator's verdict beside it.
+
+    The dataset is written under a hidden name next to `out` and takes its own name when it is whole: a recording that
+    was killed leaves nothing that looks like a dataset.
+
+    Parameters
+    ----------
+    out : str or path
+        The folder to make. The verdict goes to ``<out>.verdict.json``.
+    seeds : sequence of int
+        Seeds of the episodes, at least one.
+    noise : float, optional
+        Standard deviation of the Gaussian noise on each action [m/s], >= 0.
+    max_steps : int, optional
+        Control steps after which an episode times out, >= 1.
+    progress : callable, optional
+        Called with the number of episodes done and the number of all, after each episode.
+
+    Raises
+    ------
+    FileExistsError
+        If `out` exists.
+    MissingExtraError
+        If mujoco or lerobot is not installed.
+    """
+    out = Path(out)
+    if out.exists():
+        raise FileExistsError(f"{out} exists: name a folder that does not, or remove it first")
+    env, expert, create_dataset = _load_extras(max_steps)
+    out.parent.mkdir(parents=True, exist_ok=True)
+    with _whole_or_nothing(out) as folder, _no_progress_bars():
+        dataset = create_dataset(folder)
+        verdicts = []
+        try:
+            for seed in seeds:
+                verdicts.append(record_episode(dataset, env, expert, seed, noise))
+                progress(len(verdicts), len(seeds))
+        finally:
+            dataset.finalize()  # in any case: LeRobot would do it later, and write into a folder that is gone
+        recording = Recording(_command(out, seeds, noise, max_steps), _stack(), verdicts)
+        write_verdict(out, recording)
+    return recording
+
+
+def record_episode(dataset: Any, env: Any, expert: Any, seed: int, noise: float) -> Verdict:
+    """Drive one episode, and add it to a dataset.
+
+    Parameters
+    ----------
+    dataset : LeRobotDataset
+        Open for writing.
+    env : PushTEnv
+        The simulator.
+    expert : ScriptedExpert
+        What drives.
+    seed : int
+        Where the episode starts, and how its noise goes.
+    noise : float
+        Standard deviation of the Gaussian noise on each action [m/s], >= 0.
+    """
+    rng = np.random.default_rng([seed, 1])  # apart from the stream that the environment draws the start from
+    observation = env.reset(seed)
+    expert.reset()
+    done = False
+    while not done:
+        shaky = expert(observation) + rng.normal(scale=noise, size=len(ACTION_NAMES))
+        action = np.clip(shaky, -ACTION_LIMIT, ACTION_LIMIT).astype(np.float32)
+        dataset.add_frame({STATE: observation, ACTION: action, "task": TASK})
+        observation, done = (result := env.step(action)).observation, result.done
+    dataset.save_episode()
+    return Verdict(seed, env.steps, env.success, round(env.pos_err, 9), round(env.ang_err, 9))
+
+
+@contextlib.contextmanager
+def _whole_or_nothing(out: Path) -> Iterator[Path]:
+    """Lend a folder that becomes `out` at the end, or goes."""
+    scratch = Path(tempfile.mkdtemp(prefix=f".{out.name}.", suffix=".recording", dir=out.parent))
+    try:
+        yield scratch / out.name
+        (scratch / out.name).rename(out)
+    finally:
+        shutil.rmtree(scratch)
+
+
+@contextlib.contextmanager
+def _no_progress_bars() -> Iterator[None]:
+    """Keep the `datasets` library from drawing one bar for each episode."""
+    import datasets
+
+    were_off = datasets.are_progress_bars_disabled()
+    datasets.disable_progress_bars()
+    try:
+        yield
+    finally:
+        if not were_off:
+            datasets.enable_progress_bars()
+
+
+def _load_extras(max_steps: int) -> tuple[Any, Any, Callable[[Path], Any]]:
+    try:
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", message="IProgress not found")  # of a bar that is not drawn either
+            from lerobot.datasets.lerobot_dataset import LeRobotDataset
+
+        from z2r.pusht.simulator.env import PushTEnv
+        from z2r.pusht.simulator.expert import ScriptedExpert
+    except ModuleNotFoundError as error:
+        raise MissingExtraError(
+            f"recording needs {error.name}, which is not installed: pip install 'z2r[record]'"
+        ) from error
+    features = {
+        STATE: {"dtype": "float32", "shape": (len(STATE_NAMES),), "names": list(STATE_NAMES)},
+        ACTION: {"dtype": "float32", "shape": (len(ACTION_NAMES),), "names": list(ACTION_NAMES)},
+    }
+
+    def create_dataset(root: Path) -> Any:
+        return LeRobotDataset.create(
+            repo_id="z2r/pusht",
+            root=root,
+            fps=CONTROL_HZ,
+            features=features,
+            robot_type="pusht",
+            use_videos=False,
+            video_backend="pyav",  # unused, but unless one is named LeRobot probes for FFmpeg and prints what it lacks
+        )
+
+    return PushTEnv(max_steps), ScriptedExpert(), create_dataset
+
+
+def _command(out: Path, seeds: Sequence[int], noise: float, max_steps: int) -> str:
+    seeds = list(seeds)
+    if seeds == list(range(seeds[0], seeds[0] + len(seeds))):
+        options = f"--episodes {len(seeds)} --seed {seeds[0]} --noise {noise:g} --max-steps {max_steps}"
+        return f"z2r record {out.name} {options}"
+    call = f"z2r.record({out.name!r}, seeds={seeds}, noise={noise:g}, max_steps={max_steps})"
+    return f'python -c "import z2r; {call}"'
+
+
+def _stack() -> dict[str, str]:
+    versions = {name: importlib.metadata.version(name) for name in _STACK}
+    return {"python": platform.python_version(), "platform": f"{platform.system()} {platform.machine()}", **versions}
