@@ -24,7 +24,7 @@ def test_a_fault_is_named(kind, tmp_path):
     with pytest.raises(z2r.DatasetError) as caught:
         read_all(root)
     file = damage.file if damage.reader_file is None else damage.reader_file
-    assert str(caught.value.path).startswith(str(root / file))
+    assert str(caught.value.fault.path).startswith(str(root / file))
     assert damage.reader in str(caught.value)
     assert "\n" not in str(caught.value)
     assert fingerprint(tmp_path) == before

@@ -11,8 +11,8 @@ from test_replay import read_rows, values
 
 import z2r
 from z2r import BREAK_MODES, PUSHT, EpisodeIndex
+from z2r.arrays import reduce_parts
 from z2r.course.damage import split
-from z2r.reading.inspection import reduce_parts
 from z2r.show.replay import write_replay
 
 
@@ -145,7 +145,7 @@ ranges = st.lists(st.tuples(st.integers(0, 30), st.integers(1, 12)), min_size=1,
 @given(ranges=ranges)
 def test_frames_are_those_of_each_range_one_after_another(ranges):
     index = EpisodeIndex(np.array([start for start, _ in ranges]), np.array([start + n for start, n in ranges]))
-    assert index.frames.tolist() == [frame for start, n in ranges for frame in range(start, start + n)]
+    assert index.frame_numbers.tolist() == [frame for start, n in ranges for frame in range(start, start + n)]
 
 
 @given(ranges=ranges, data=st.data())

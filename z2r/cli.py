@@ -313,7 +313,7 @@ def _way_out(root: Path, salvaged: bool) -> Iterator[None]:
     try:
         yield
     except DatasetError as error:
-        if salvaged or (error.path.name == "info.json" and not error.field.startswith("total_")):
+        if salvaged or (error.fault.path.name == "info.json" and not error.fault.field.startswith("total_")):
             raise
         from z2r.format.salvage import salvage
 
@@ -324,8 +324,8 @@ def _way_out(root: Path, salvaged: bool) -> Iterator[None]:
         if not whole:
             raise error from None
         advice = f"--salvage reads the {whole:,} episode{'s' * (whole > 1)} of which everything is there"
-        mend = f"{error.mend}. {advice}" if error.mend else advice
-        raise DatasetError(error.path, error.field, found=error.found, expected=error.expected, mend=mend) from None
+        mend = f"{error.fault.mend}. {advice}" if error.fault.mend else advice
+        raise DatasetError(error.fault._replace(mend=mend)) from None
 
 
 def _audit(root: Path, mode: BreakMode | None, as_json: bool) -> int:

@@ -1,43 +1,79 @@
-"""What is wrong with a dataset, in one line."""
+"""What is wrong with a dataset: one record for who stops at the first fault and for who collects them all."""
 
 from pathlib import Path
+from typing import NamedTuple
 
-_MAX_LENGTH = 200
+MAX_LENGTH = 200  # of one part of a line: a dataset may give a name, or a number, of any length
 
 
-class DatasetError(Exception):
-    """A fault in a dataset: where it is, what was found, what was expected, and how to mend it.
+class Fault(NamedTuple):
+    """One thing that is wrong: where, what was found, what was expected, and how to mend it.
 
-    Parameters
+    Attributes
     ----------
     path : Path
-        The file or folder at fault.
+        The file or folder at fault. A rule that is given no folder names it relative to the dataset.
     field : str
         The key, column or part of it at fault; empty when it is the whole file.
-    found, expected : str
-        What is there, and what should be.
-    mend : str, optional
-        What the reader can do about it: a command where there is one.
+    found, expected : object
+        What is there, and what should be; written with `str`.
+    mend : str
+        What to do about it: a command where there is one; empty where nothing better can be said than what is expected.
 
     Examples
     --------
-    >>> print(DatasetError(Path("meta/info.json"), "fps", found="-10", expected="a positive number"))
+    >>> print(Fault(Path("meta/info.json"), "fps", -10, "a positive number"))
     meta/info.json: fps: found -10, expected a positive number
     """
 
-    def __init__(self, path: Path, field: str, *, found: str, expected: str, mend: str = "") -> None:
-        self.path, self.field, self.found, self.expected, self.mend = path, field, found, expected, mend
-        where = f"{short(path, 4 * _MAX_LENGTH)}: {short(field)}" if field else short(path, 4 * _MAX_LENGTH)
-        advice = f". {mend}" if mend else ""
+    path: Path
+    field: str
+    found: object
+    expected: object
+    mend: str = ""
+
+    def below(self, root: Path) -> "Fault":
+        """Return the fault with its path, which is relative to the dataset, below `root`."""
+        return self._replace(path=root / self.path)
+
+    def relative_to(self, root: Path) -> "Fault":
+        """Return the fault with its path relative to the dataset, where it is inside."""
+        return self._replace(path=self.path.relative_to(root)) if self.path.is_relative_to(root) else self
+
+    def __str__(self) -> str:
+        where = ": ".join(filter(None, [short(self.path.as_posix(), 4 * MAX_LENGTH), short(self.field)]))
+        advice = f". {self.mend}" if self.mend else ""
         # Names in a dataset are data: a line break or a control character in one must not break the line.
-        super().__init__(printable(f"{where}: found {short(found)}, expected {short(expected)}{advice}"))
+        return printable(f"{where}: found {short(self.found)}, expected {short(self.expected)}{advice}")
+
+
+class DatasetError(Exception):
+    """A dataset that cannot be read as asked. It says why in one line, and survives pickling.
+
+    Attributes
+    ----------
+    fault : Fault
+        Where it is, what was found, what was expected, and how to mend it.
+
+    Examples
+    --------
+    >>> print(DatasetError(Fault(Path("meta/info.json"), "fps", -10, "a positive number")))
+    meta/info.json: fps: found -10, expected a positive number
+    """
+
+    def __init__(self, fault: Fault) -> None:
+        super().__init__(fault)
+        self.fault = fault
+
+    def __str__(self) -> str:
+        return str(self.fault)
 
 
 class MissingExtraError(ImportError):
-    """Recording needs packages that reading does not."""
+    """Something was asked for that needs packages which are not installed."""
 
 
-def short(text: object, length: int = _MAX_LENGTH) -> str:
+def short(text: object, length: int = MAX_LENGTH) -> str:
     """Return a text as it is, or its beginning: a dataset may give a name, or a number, of any length.
 
     >>> len(short("1" * 10**6))

@@ -14,14 +14,13 @@ from typing import Any, NamedTuple
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
+from z2r.arrays import Bools, Columns, Ints, Progress, no_progress
 from z2r.audits import CHECKS, frames, index, values
 from z2r.audits.claims import Story, believe, read_story
 from z2r.audits.findings import Finding, from_fault, warning
-from z2r.audits.structure import Ints
 from z2r.errors import DatasetError
-from z2r.format.dataset import Frames, in_threads
+from z2r.format.dataset import in_threads
 from z2r.format.episodes import EpisodeIndex
 from z2r.format.parquet import open_parquet
 from z2r.format.schema import ACTION, BOOKKEEPING, INFO_PATH, MAX_SIGNAL_SIZE, Schema, inside
@@ -104,7 +103,7 @@ def audit(
     root: str | os.PathLike[str],
     mode: BreakMode | None = None,
     reading: Reading = PUSHT,
-    progress: Callable[[int, int], None] = lambda done, total: None,
+    progress: Progress = no_progress,
 ) -> Audit:
     """Look for everything that can be wrong with a dataset, in one pass over its files.
 
@@ -146,7 +145,7 @@ def audit(
     except DatasetError as fault:
         if mode:
             raise
-        check = "version" if fault.field == "codebase_version" else "info"
+        check = "version" if fault.fault.field == "codebase_version" else "info"
         return _ended([from_fault(check, fault, root)])
     if not len(story.rows.number):
         return _ended(story.findings)
@@ -223,7 +222,7 @@ def _fold(root: Path, story: Story, file: int, base: int, reading: Reading) -> _
     return _Part(read.n_rows, findings, starts, numbers, runs, sums)
 
 
-def _check_columns(told: Frames, story: Story, base: int, path: Path) -> Iterator[Finding]:
+def _check_columns(told: Columns, story: Story, base: int, path: Path) -> Iterator[Finding]:
     whole = {name: column.astype(np.int64) for name, column in told.items() if name != "timestamp"}
     if "index" in whole:
         yield from index.check_counting(whole["index"], base, path)
@@ -239,7 +238,8 @@ def _check_columns(told: Frames, story: Story, base: int, path: Path) -> Iterato
 
 def _of_runs(starts: Ints, numbers: Ints | None, base: int, n_rows: int) -> EpisodeIndex:
     """Where episodes end by the frames' own `episode_index`: the metadata is no story to go by."""
-    return EpisodeIndex(base + starts, base + np.append(starts[1:], n_rows), numbers)
+    stops = np.append(starts[1:], n_rows)
+    return EpisodeIndex(base + starts, base + stops, np.arange(len(starts)) if numbers is None else numbers)
 
 
 def _judge(
@@ -287,12 +287,12 @@ def _judge_runs(root: Path, story: Story, parts: Sequence[_Part], bases: Sequenc
     yield from values.check_episode_stats(root, story.shards, story.schema, flat, run_of_episode)
 
 
-def _judge_verdict(root: Path, story: Story, reached: NDArray[np.bool_]) -> Iterator[Finding]:
+def _judge_verdict(root: Path, story: Story, reached: Bools) -> Iterator[Finding]:
     name = verdict_path(root).name
     try:
         verdict = read_verdict(root)
     except DatasetError as fault:
-        yield warning("verdict", name, fault.field, fault.found, fault.expected)
+        yield warning("verdict", name, *fault.fault[1:4])
         return
     if verdict and len(reached) == len(story.episodes):
         yield from physics.check_verdict(reached, story.episodes, verdict, name)

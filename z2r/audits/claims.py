@@ -6,9 +6,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from z2r.arrays import Ints
 from z2r.audits import index, structure
 from z2r.audits.findings import Finding
-from z2r.audits.structure import Ints, Rows
+from z2r.audits.structure import Rows
 from z2r.format.dataset import Dataset, load
 from z2r.format.episodes import EpisodeIndex
 from z2r.format.schema import Schema, read_schema
@@ -80,7 +81,6 @@ def believe(root: Path, mode: BreakMode) -> Story:
 
 def _rows_of(dataset: Dataset) -> tuple[Rows, list[Path]]:
     episodes = dataset.episodes
-    numbers = np.arange(len(episodes)) if episodes.numbers is None else episodes.numbers
     file = np.searchsorted([file.to_index for file in dataset.files], episodes.from_index, side="right")
-    rows = Rows(numbers, episodes.from_index, episodes.to_index, episodes.lengths, file)
+    rows = Rows(episodes.numbers, episodes.from_index, episodes.to_index, episodes.lengths, file)
     return rows, [file.path.relative_to(dataset.root) for file in dataset.files]

@@ -66,8 +66,7 @@ def note(check: str, file: Path | str, field: str, found: object, expected: obje
 
 def from_fault(check: str, fault: DatasetError, root: Path) -> Finding:
     """Turn what the reader raised into a finding that is an error."""
-    path = fault.path.relative_to(root) if fault.path.is_relative_to(root) else fault.path
-    return _finding(check, "error", path, fault.field, fault.found, fault.expected, fault.mend)
+    return _finding(check, "error", *fault.fault.relative_to(root))
 
 
 def _finding(

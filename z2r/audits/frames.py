@@ -6,12 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 import pyarrow as pa
-from numpy.typing import NDArray
 
+from z2r.arrays import Array, Columns
 from z2r.audits.findings import Finding, error, from_fault, note, warning
 from z2r.audits.index import and_more
 from z2r.errors import DatasetError
-from z2r.format.dataset import Frames
 from z2r.format.parquet import has_gaps, open_parquet, read_columns, vectors, width
 from z2r.format.schema import BOOKKEEPING, MAX_SIGNAL_SIZE, Schema, inside
 
@@ -19,7 +18,7 @@ from z2r.format.schema import BOOKKEEPING, MAX_SIGNAL_SIZE, Schema, inside
 class File(NamedTuple):
     """One data file: the columns that can be read, and how many rows it has; None where it cannot be opened."""
 
-    frames: Frames
+    frames: Columns
     n_rows: int | None
     findings: list[Finding]
 
@@ -35,7 +34,7 @@ def read_file(root: Path, schema: Schema, path: Path) -> File:
         table = read_columns(parquet, real, wanted)
     except DatasetError as fault:
         return File({}, None, [from_fault("data-file", fault, root)])
-    frames: Frames = {}
+    frames: Columns = {}
     for name in wanted:
         values, faults = _read_column(table, name, schema, real, root)
         findings += faults
@@ -46,7 +45,7 @@ def read_file(root: Path, schema: Schema, path: Path) -> File:
 
 def _read_column(
     table: pa.Table, name: str, schema: Schema, path: Path, root: Path
-) -> tuple[NDArray[np.generic] | None, list[Finding]]:
+) -> tuple[Array | None, list[Finding]]:
     feature, inner = schema.features[name], path.relative_to(root)
     try:
         values = vectors(table, name, feature.shape, path)
@@ -86,7 +85,7 @@ def _check_wide(schema: Schema, stored: pa.Schema, path: Path) -> Iterator[Findi
                 yield error("column-type", path, name, f"{found:,} numbers in each row", expected)
 
 
-def _check_dtype(dtype: str, values: NDArray[np.generic], name: str, path: Path) -> Iterator[Finding]:
+def _check_dtype(dtype: str, values: Array, name: str, path: Path) -> Iterator[Finding]:
     stored = values.dtype.name
     if dtype == stored or (dtype == "bool" and stored == "uint8"):  # as booleans are read
         return

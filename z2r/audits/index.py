@@ -5,10 +5,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from z2r.arrays import Bools, Floats, Ints
 from z2r.audits.findings import Finding, error
-from z2r.audits.structure import Ints, Rows
+from z2r.audits.structure import Rows
 from z2r.format.episodes import EPISODES_DIR
 
 # What LeRobot 0.6.1 allows between a timestamp and frame_index / fps [s] (`tolerance_s` of LeRobotDataset).
@@ -49,7 +49,7 @@ def _wrong_row(
     rows: Rows,
     told: Ints,
     expected: Ints,
-    wrong: NDArray[np.bool_] | None = None,
+    wrong: Bools | None = None,
     before: str = "",
     after: str = "",
 ) -> Iterator[Finding]:
@@ -85,7 +85,7 @@ def check_runs(rows: Rows, runs: Runs, files: Sequence[Path], read: Sequence[int
 
 
 def _wrong_run(
-    runs: Runs, files: Sequence[Path], wrong: NDArray[np.bool_], what: str, expected: str, mend: str
+    runs: Runs, files: Sequence[Path], wrong: Bools, what: str, expected: str, mend: str
 ) -> Iterator[Finding]:
     if wrong.any():
         run = int(wrong.argmax())
@@ -94,9 +94,7 @@ def _wrong_run(
         yield error("episode-column", files[runs.file[run]], place, found, expected, mend)
 
 
-def _ranges(
-    runs: Runs, files: Sequence[Path], field: str, told: Ints, seen: Ints, once: NDArray[np.bool_]
-) -> Iterator[Finding]:
+def _ranges(runs: Runs, files: Sequence[Path], field: str, told: Ints, seen: Ints, once: Bools) -> Iterator[Finding]:
     wrong = once & (told != seen)
     if wrong.any():
         run = int(wrong.argmax())
@@ -105,7 +103,7 @@ def _ranges(
         yield error("episode-column", EPISODES_DIR, f"{field} of episode {runs.number[run]}", found, expected)
 
 
-def _pointers(rows: Rows, runs: Runs, row: Ints, known: NDArray[np.bool_], files: Sequence[Path]) -> Iterator[Finding]:
+def _pointers(rows: Rows, runs: Runs, row: Ints, known: Bools, files: Sequence[Path]) -> Iterator[Finding]:
     wrong = known & (rows.file[row] != runs.file)
     if wrong.any():
         run = int(wrong.argmax())
@@ -136,9 +134,7 @@ def check_counting(index: Ints, base: int, path: Path) -> Iterator[Finding]:
         yield error("index-column", path, f"index in row {row}", f"{index[row]}{and_more(wrong)}", expected[row])
 
 
-def check_frame_index(
-    frame_index: Ints, number: Ints | None, begins: NDArray[np.bool_] | None, path: Path
-) -> Iterator[Finding]:
+def check_frame_index(frame_index: Ints, number: Ints | None, begins: Bools | None, path: Path) -> Iterator[Finding]:
     """Does `frame_index` start at 0 and count on, and start again where `episode_index` changes?
 
     Where the two disagree, `begins` has the casting vote: whether an episode begins in a row by the metadata.
@@ -165,7 +161,7 @@ def check_frame_index(
         yield error("episode-column", path, f"episode_index in row {row}", found, expected)
 
 
-def check_timestamps(timestamp: NDArray[np.float64], frame_index: Ints, fps: float, path: Path) -> Iterator[Finding]:
+def check_timestamps(timestamp: Floats, frame_index: Ints, fps: float, path: Path) -> Iterator[Finding]:
     """Is every timestamp frame_index / fps?"""
     expected = frame_index / fps
     # A timestamp is stored in float32, whose steps grow with the number.
@@ -199,7 +195,7 @@ def check_task_index(task_index: Ints, tasks: Ints | None, path: Path) -> Iterat
         yield error("task-index", path, f"task_index in row {row}", found, expected)
 
 
-def and_more(wrong: NDArray[np.bool_]) -> str:
+def and_more(wrong: Bools) -> str:
     """Say how many more there are beside the first, if any."""
     more = int(wrong.sum()) - 1
     return f" (and {more:,} more like it)" if more else ""

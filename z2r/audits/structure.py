@@ -9,10 +9,10 @@ from typing import Any, NamedTuple
 import msgspec
 import numpy as np
 import pyarrow as pa
-from numpy.typing import NDArray
 
+from z2r.arrays import Ints
 from z2r.audits.findings import Finding, error, from_fault, note, warning
-from z2r.errors import DatasetError
+from z2r.errors import DatasetError, Fault
 from z2r.format.episodes import COLUMNS, EPISODES_DIR, file_numbers, read_shard, shard_paths
 from z2r.format.parquet import integers, open_parquet, read_columns
 from z2r.format.schema import BOOKKEEPING, INFO_PATH, Schema, inside
@@ -22,8 +22,6 @@ STATS_PATH = Path("meta/stats.json")
 
 _MAX_STATS_BYTES = 64 * 2**20
 _SOME = 3  # names in one line
-
-type Ints = NDArray[np.int64]
 
 
 class Rows(NamedTuple):
@@ -183,7 +181,7 @@ def read_tasks(root: Path) -> tuple[Ints | None, list[Finding]]:
         table = read_columns(parquet, path, ["task_index", *texts])
         tasks = integers(table, "task_index", path)
         if not any(not table.column(text).null_count for text in texts):
-            raise DatasetError(path, "task", found="no such column, or gaps in it", expected="the text of each task")
+            raise DatasetError(Fault(path, "task", "no such column, or gaps in it", "the text of each task"))
     except DatasetError as fault:
         return None, [from_fault("tasks-file", fault, root)]
     if not np.array_equal(np.sort(tasks), np.arange(len(tasks))) or not len(tasks):
@@ -197,7 +195,7 @@ def read_stats(root: Path) -> tuple[dict[str, dict[str, Any]] | None, list[Findi
     try:
         path = inside(root, STATS_PATH)
         if path.stat().st_size > _MAX_STATS_BYTES:
-            raise DatasetError(path, "", found=f"{path.stat().st_size} bytes", expected=f"at most {_MAX_STATS_BYTES}")
+            raise DatasetError(Fault(path, "", f"{path.stat().st_size} bytes", f"at most {_MAX_STATS_BYTES}"))
         return msgspec.json.decode(path.read_bytes(), type=dict[str, dict[str, Any]]), []
     except DatasetError as fault:
         return None, [from_fault("stats-file", fault, root)]
@@ -238,10 +236,12 @@ def _video_template(root: Path, totals: Totals) -> str:
     fields = re.sub(r"\{(video_key|(chunk|file)_index(:0\dd)?)\}", "", template)
     if not template or "{" in fields or "}" in fields:
         raise DatasetError(
-            root / INFO_PATH,
-            "video_path",
-            found=repr(totals.video_path),
-            expected="videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4",
+            Fault(
+                root / INFO_PATH,
+                "video_path",
+                repr(totals.video_path),
+                "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4",
+            )
         )
     return template
 

@@ -7,13 +7,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pyarrow as pa
-from numpy.typing import NDArray
 
+from z2r.arrays import Array, Columns, Floats, Ints
 from z2r.audits.findings import Finding, error, from_fault, warning
 from z2r.audits.index import and_more
-from z2r.audits.structure import STATS_PATH, Ints
+from z2r.audits.structure import STATS_PATH
 from z2r.errors import DatasetError
-from z2r.format.dataset import Frames
 from z2r.format.parquet import integers, open_parquet, read_columns, vectors
 from z2r.format.schema import ACTION, STATE, Feature, Schema
 
@@ -25,8 +24,6 @@ _FEW = 5  # episodes: from so few nothing can be said about what is usual
 _LONG = 20  # frames: a sensor may well stand still for less
 _MOST = 0.9  # of the episodes
 _ROUGH = 5e-6  # of a variance, as a share of the largest square
-
-type Floats = NDArray[np.float64]
 
 
 class RunStats(NamedTuple):
@@ -45,7 +42,7 @@ class RunStats(NamedTuple):
     spike: Floats
 
 
-def sum_up(values: NDArray[np.generic], starts: Ints) -> RunStats:
+def sum_up(values: Array, starts: Ints) -> RunStats:
     """Sum one feature up for each run; a run begins at each of `starts` and ends where the next begins."""
     count = np.diff(np.append(starts, len(values)))
     # One column after another: numpy reduces adjacent numbers many times faster, and copies stay small.
@@ -81,7 +78,7 @@ def unit_pairs(feature: Feature) -> list[tuple[int, int]]:
     return [(i, names.index(other)) for i, other in enumerate(partners) if other != names[i] and other in names]
 
 
-def check_unit_circle(frames: Frames, schema: Schema, path: Path) -> Iterator[Finding]:
+def check_unit_circle(frames: Columns, schema: Schema, path: Path) -> Iterator[Finding]:
     """Is sin² + cos² = 1 for every angle that is stored as (sin, cos)?"""
     for name, values in frames.items():
         feature = schema.features[name]

@@ -15,6 +15,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
+from z2r.arrays import Ints
 from z2r.format.dataset import Dataset, load
 from z2r.format.episodes import EPISODES_DIR, DataFile, shard_paths
 from z2r.format.schema import ACTION, INFO_PATH, STATE
@@ -158,7 +159,7 @@ def _ranges(dataset: Dataset, file: DataFile) -> list[tuple[int, int]]:
     ]
 
 
-def _write_data(dataset: Dataset, out: Path, file: NDArray[np.int64]) -> None:
+def _write_data(dataset: Dataset, out: Path, file: Ints) -> None:
     frames = pa.concat_tables([pq.ParquetFile(each.path).read() for each in dataset.files])
     for number in range(file[-1] + 1):
         inside = file == number
@@ -166,7 +167,7 @@ def _write_data(dataset: Dataset, out: Path, file: NDArray[np.int64]) -> None:
         _write(frames.slice(start, stop - start), out / _DATA_PATH.format(chunk_index=0, file_index=number))
 
 
-def _write_shards(dataset: Dataset, out: Path, file: NDArray[np.int64]) -> None:
+def _write_shards(dataset: Dataset, out: Path, file: Ints) -> None:
     shards = [pq.ParquetFile(path).read() for path in shard_paths(dataset.root)]
     rows, schema = [row for shard in shards for row in shard.to_pylist()], shards[0].schema
     parts = np.array_split(np.arange(len(rows)), min(_N_SHARDS, len(rows)))

@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
+from z2r.arrays import Array, Bools, Floats
 from z2r.format.schema import Schema
 from z2r.pusht import task
 from z2r.reading.angles import wrap_angle
@@ -43,8 +43,6 @@ _STYLE = {
     "ytick.color": INK,
 }
 
-type Array = NDArray[np.float64]
-
 
 def in_style[**P](draw: Callable[P, Figure]) -> Callable[P, Figure]:
     """Draw in this module's style, whatever the notebook has set."""
@@ -64,7 +62,7 @@ def new_figure(width: float, height: float) -> Figure:
     return figure
 
 
-def box(center: tuple[float, float], half_size: Sequence[float]) -> Array:
+def box(center: tuple[float, float], half_size: Sequence[float]) -> Floats:
     """Corners of a box seen from above, (4, 2) [m]: top left, top right, bottom right, bottom left."""
     corners = np.array([(-1, 1), (1, 1), (1, -1), (-1, -1)])
     return np.asarray(center) + corners * half_size[:2]
@@ -73,13 +71,13 @@ def box(center: tuple[float, float], half_size: Sequence[float]) -> Array:
 WALLS = box((0, 0), (task.WALL, task.WALL))
 
 
-def _tee() -> Array:
+def _tee() -> Floats:
     """Outline of the T in its own frame, (8, 2) [m]: the stem hangs from the lower edge of the bar."""
     bar, stem = box(task.BAR_CENTER, task.BAR_HALF_SIZE), box(task.STEM_CENTER, task.STEM_HALF_SIZE)
     return np.concatenate([bar[:3], stem[1:3], stem[3:], stem[:1], bar[3:]])
 
 
-def tee_outlines(pose: Pose, size: float = 1.0) -> Array:
+def tee_outlines(pose: Pose, size: float = 1.0) -> Floats:
     """Outline of the T at each pose, (n, 8, 2) [m]: turned counter-clockwise by the yaw, then moved."""
     x, y = size * _tee().T
     points = (pose.x + 1j * pose.y)[:, None] + np.exp(1j * pose.yaw)[:, None] * (x + 1j * y)
@@ -91,7 +89,7 @@ def single_pose(x: float, y: float, yaw: float) -> Pose:
     return Pose(np.array([float(x)]), np.array([float(y)]), np.array([float(yaw)]))
 
 
-def select_frames(pose: Pose, chosen: NDArray[np.bool_] | list[int]) -> Pose:
+def select_frames(pose: Pose, chosen: Bools | list[int]) -> Pose:
     """Return the poses of some frames, chosen by a mask or by their numbers."""
     return Pose(pose.x[chosen], pose.y[chosen], pose.yaw[chosen])
 
@@ -103,7 +101,7 @@ def on_circle(angle: float, radius: float = 1.0) -> tuple[float, float]:
 
 def draw_tees(
     axes: Axes, pose: Pose, color: str, gid: str, strength: Sequence[float] = (1,), fill: float = 0.12, **style: Any
-) -> Array:
+) -> Floats:
     """Draw the T at each pose, each as opaque as its strength, and return the outlines, (n, 8, 2) [m]."""
     alpha = np.broadcast_to(strength, len(pose.yaw))
     outlines = tee_outlines(pose, style.pop("size", 1.0))
@@ -112,11 +110,11 @@ def draw_tees(
     return outlines
 
 
-def draw_target(axes: Axes, pose: Pose) -> Array:
+def draw_target(axes: Axes, pose: Pose) -> Floats:
     """Draw the target once for each pose that it has, which is one in a PushT task; return its first outline."""
     poses = Pose(*np.unique(np.stack(pose, axis=1).round(3), axis=0).T)
     style: dict[str, Any] = {"linestyle": (0, (1.5, 1)), "linewidth": 1.8, "zorder": 2}
-    first: Array = draw_tees(axes, poses, TARGET, "target", **style)[0]
+    first: Floats = draw_tees(axes, poses, TARGET, "target", **style)[0]
     return first
 
 
@@ -125,10 +123,10 @@ class Scene(NamedTuple):
 
     tee: Pose
     target: Pose
-    pusher: Array
+    pusher: Floats
 
 
-def read_scene(state: NDArray[np.generic], reading: Reading, schema: Schema) -> Scene:
+def read_scene(state: Array, reading: Reading, schema: Schema) -> Scene:
     """Return what a reading sees in some frames, of which there must be one at least."""
     if not len(state):
         raise ValueError("found 0 frames, expected at least one")
@@ -137,7 +135,7 @@ def read_scene(state: NDArray[np.generic], reading: Reading, schema: Schema) -> 
     return Scene(read_pose(columns, reading.tee), read_pose(columns, reading.target), pusher)
 
 
-def draw_scene(axes: Axes, scene: Scene, n_moments: int) -> Array:
+def draw_scene(axes: Axes, scene: Scene, n_moments: int) -> Floats:
     """Draw target, block and pusher at some moments, and the block's path; return the block's outlines, (n, 8, 2)."""
     moments = pick_moments(scene.tee, n_moments)
     strength = np.linspace(0.3, 1, len(moments) + 1)[1:].tolist()
@@ -152,7 +150,7 @@ def draw_scene(axes: Axes, scene: Scene, n_moments: int) -> Array:
     return outlines
 
 
-def draw_path(axes: Axes, path: Array, color: str, what: str) -> None:
+def draw_path(axes: Axes, path: Floats, color: str, what: str) -> None:
     """Draw a path, (n, 2) [m], with a dot where it starts and a cross where it ends."""
     axes.plot(*path.T, color=color, linewidth=1, gid=f"{what} path")
     axes.plot(*path[0], "o", color=color, markersize=5, gid=f"{what} start")
@@ -167,7 +165,7 @@ def pick_moments(tee: Pose, n_moments: int) -> list[int]:
     return sorted({0, *picked, len(travelled) - 1})
 
 
-def set_frame(axes: Axes, points: Array, margin: float, ratio: float = 0) -> None:
+def set_frame(axes: Axes, points: Floats, margin: float, ratio: float = 0) -> None:
     """Set equal axes in m around the points, `ratio` times as wide as high if given, and draw the walls."""
     low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
     width, height = high - low
@@ -180,7 +178,7 @@ def set_frame(axes: Axes, points: Array, margin: float, ratio: float = 0) -> Non
         axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
 
 
-def write_label(axes: Axes, text: str, at: Array, away: Sequence[float] | Array, color: str, gap: float = 7) -> None:
+def write_label(axes: Axes, text: str, at: Floats, away: Sequence[float] | Floats, color: str, gap: float = 7) -> None:
     """Write beside a point, on the side that `away` points to, with a halo that keeps it readable on lines."""
     x, y = np.asarray(away) / (np.hypot(away[0], away[1]) or 1.0)
     axes.annotate(
@@ -196,7 +194,7 @@ def write_label(axes: Axes, text: str, at: Array, away: Sequence[float] | Array,
     )
 
 
-def write_beside(axes: Axes, text: str, outline: Array, other: Array, color: str) -> None:
+def write_beside(axes: Axes, text: str, outline: Floats, other: Floats, color: str) -> None:
     """Write at the corner of an outline that is farthest from something else, where there is most room."""
     corner = outline[np.argmax(np.hypot(*(outline - other).T))]
     write_label(axes, text, corner, corner - outline.mean(axis=0), color, gap=4)

@@ -5,11 +5,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from z2r.arrays import Floats, Ints
 from z2r.audits.audit import audit
 from z2r.format.dataset import Dataset, load
-from z2r.format.episodes import EpisodeIndex
 from z2r.format.schema import ACTION
 from z2r.reading.breaks import BREAK_MODES, BreakMode
 from z2r.reading.inspection import Outcome, inspect_dataset
@@ -17,8 +16,7 @@ from z2r.reading.reading import PUSHT, Reading, named_columns, read_pose
 
 _DIGITS = 6  # of an error: what float32 leaves behind is no change
 
-type _Array = NDArray[np.float64]
-type _Frames = tuple[NDArray[np.int64], _Array, _Array]
+type _Drawn = tuple[Ints, Floats, Floats]
 
 
 @dataclass(frozen=True)
@@ -100,10 +98,10 @@ def what_changes(root: str | os.PathLike[str], modes: Iterable[BreakMode] = BREA
     return [_compare(dataset, mode, right.outcome, frames, known) for mode in modes]
 
 
-def _compare(dataset: Dataset, mode: BreakMode, right: Outcome, frames: _Frames, known: set[str]) -> Change:
+def _compare(dataset: Dataset, mode: BreakMode, right: Outcome, frames: _Drawn, known: set[str]) -> Change:
     believed, wrong = mode.dataset(dataset), inspect_dataset(dataset, mode)
     assert wrong.outcome is not None  # every mode reads columns that the right reading reads
-    index, left = wrong.episodes, _numbers(wrong.episodes)
+    index, left = wrong.episodes, wrong.episodes.numbers
     places, bodies, action = _frames(believed, mode.reading(PUSHT))
     checks = [finding.check for finding in audit(dataset.root, mode).findings]
     return Change(
@@ -122,10 +120,10 @@ def _compare(dataset: Dataset, mode: BreakMode, right: Outcome, frames: _Frames,
     )
 
 
-def _frames(dataset: Dataset, reading: Reading) -> _Frames:
+def _frames(dataset: Dataset, reading: Reading) -> _Drawn:
     """Of every frame: its place in its episode, where the bodies are drawn, and its action; a row for each."""
-    index, frames = dataset.episodes, dataset.episodes.frames
-    places = np.repeat((_numbers(index) << 32) - index.from_index, index.lengths) + frames
+    index, frames = dataset.episodes, dataset.episodes.frame_numbers
+    places = np.repeat((index.numbers << 32) - index.from_index, index.lengths) + frames
     columns = named_columns(dataset.read(reading.feature)[frames], reading, dataset.schema)
     poses = [read_pose(columns, pose) for pose in (reading.tee, reading.target)]
     drawn = [part for pose in poses for part in (pose.x, pose.y, np.cos(pose.yaw), np.sin(pose.yaw))]
@@ -135,17 +133,11 @@ def _frames(dataset: Dataset, reading: Reading) -> _Frames:
     return places, bodies, action.astype(np.float64)
 
 
-def _numbers(index: EpisodeIndex) -> NDArray[np.int64]:
-    return np.arange(len(index)) if index.numbers is None else index.numbers
-
-
-def _share_that_differs(
-    places: NDArray[np.int64], values: _Array, other_places: NDArray[np.int64], other_values: _Array
-) -> float:
+def _share_that_differs(places: Ints, values: Floats, other_places: Ints, other_values: Floats) -> float:
     both, here, there = np.intersect1d(places, other_places, return_indices=True)
     same = np.isclose(values[here], other_values[there], atol=10.0**-_DIGITS).all(axis=1).sum()
     return 1 - float(same) / (len(places) + len(other_places) - len(both))
 
 
-def _largest(change: _Array) -> float:
+def _largest(change: Floats) -> float:
     return round(float(np.abs(change).max()), _DIGITS)

@@ -13,8 +13,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from matplotlib.patheffects import withStroke
-from numpy.typing import NDArray
 
+from z2r.arrays import Array, Bools, Floats
 from z2r.course import drawing
 from z2r.course.field_guide import Change
 from z2r.format.dataset import Dataset
@@ -36,7 +36,7 @@ _MAX_CHECKS = 2  # names that fit in one cell
 
 
 @drawing.in_style
-def episode_path(state: NDArray[np.generic], reading: Reading, schema: Schema) -> Figure:
+def episode_path(state: Array, reading: Reading, schema: Schema) -> Figure:
     """Draw one episode seen from above: some moments of the block, and the paths of block and pusher.
 
     Parameters
@@ -68,7 +68,7 @@ def episode_path(state: NDArray[np.generic], reading: Reading, schema: Schema) -
 
 
 @drawing.in_style
-def right_and_wrong(state: NDArray[np.generic], right: Reading, wrong: Reading, schema: Schema) -> Figure:
+def right_and_wrong(state: Array, right: Reading, wrong: Reading, schema: Schema) -> Figure:
     """Draw the same frames twice, as two readings have them: where the block was, and the pusher at those moments.
 
     Parameters
@@ -87,7 +87,7 @@ def right_and_wrong(state: NDArray[np.generic], right: Reading, wrong: Reading, 
     """
     figure = drawing.new_figure(7.6, 4.2)
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
-    corners: list[drawing.Array] = []
+    corners: list[Floats] = []
     for axes, what, color, one, other in zip(
         panels,
         ("read right", "read wrong"),
@@ -107,7 +107,7 @@ def right_and_wrong(state: NDArray[np.generic], right: Reading, wrong: Reading, 
 
 
 @drawing.in_style
-def seen_from_block(state: NDArray[np.generic], right: Reading, wrong: Reading, schema: Schema) -> Figure:
+def seen_from_block(state: Array, right: Reading, wrong: Reading, schema: Schema) -> Figure:
     """Draw where the pusher was in every frame as seen from the block, as two readings have it.
 
     Solid bodies stay apart, so the right reading leaves the block empty, and a gap around it as wide as the pusher.
@@ -142,7 +142,7 @@ def seen_from_block(state: NDArray[np.generic], right: Reading, wrong: Reading, 
 
 
 @drawing.in_style
-def episode_ribbon(episodes: EpisodeIndex, reached: NDArray[np.bool_] | None = None) -> Figure:
+def episode_ribbon(episodes: EpisodeIndex, reached: Bools | None = None) -> Figure:
     """Draw a whole dataset at a glance: all frames in one bar, and a segment of it for each episode.
 
     Parameters
@@ -332,7 +332,7 @@ def two_poses(
 
 
 @drawing.in_style
-def action_and_motion(action: drawing.Array, velocity: drawing.Array, fps: float) -> Figure:
+def action_and_motion(action: Floats, velocity: Floats, fps: float) -> Figure:
     """Draw what was asked of the pusher and what it did, along one axis.
 
     Parameters
@@ -420,9 +420,7 @@ def _yaws_that_differ(reading: Reading, other: Reading) -> list[str]:
     return [f"{what}: {formula(one)}" for what, one, two in pairs if formula(one) != formula(two)]
 
 
-def _draw_segments(
-    axes: Axes, episodes: EpisodeIndex, chosen: NDArray[np.bool_], bottom: float, color: str, hatch: str
-) -> None:
+def _draw_segments(axes: Axes, episodes: EpisodeIndex, chosen: Bools, bottom: float, color: str, hatch: str) -> None:
     """Draw the chosen episodes as segments of the bar; boundaries and numbers where there are pixels for them."""
     lengths = episodes.lengths[chosen]
     spans = list(zip(episodes.from_index[chosen].tolist(), lengths.tolist(), strict=True))
@@ -468,7 +466,7 @@ def _write_notes(axes: Axes, right: float, wrong: float) -> None:
         axes.text(0, height, text, color=color, va="top")
 
 
-def _draw_trace(axes: Axes, values: drawing.Array, fps: float, tolerance: float, name: str, unit: str) -> None:
+def _draw_trace(axes: Axes, values: Floats, fps: float, tolerance: float, name: str, unit: str) -> None:
     time = np.arange(len(values)) / fps
     end = max(time[-1], 1 / fps)
     axes.axhspan(0, tolerance, color=drawing.GREEN, alpha=0.2, linewidth=0, gid="tolerance")
@@ -484,5 +482,5 @@ def _count(number: int, noun: str) -> str:
     return f"{number:,} {noun}{'' if number == 1 else 's'}"
 
 
-def _tally(reached: NDArray[np.bool_]) -> str:
+def _tally(reached: Bools) -> str:
     return f"{reached.sum():,} reached, {(~reached).sum():,} not reached"

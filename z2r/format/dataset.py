@@ -7,17 +7,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from z2r.errors import DatasetError
+from z2r.arrays import Array, Columns, Progress, no_progress
+from z2r.errors import DatasetError, Fault
 from z2r.format.episodes import DataFile, EpisodeIndex, read_episodes
 from z2r.format.parquet import open_parquet, read_columns, vectors
 from z2r.format.schema import ACTION, STATE, Schema, read_schema
 
 # Each thread holds one data file in memory: more threads than this would trade memory for little time.
 _MAX_THREADS = 4
-
-type Frames = dict[str, NDArray[np.generic]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +53,7 @@ class Dataset:
         end = int(episodes.to_index[-1])
         return replace(self, episodes=episodes, files=tuple(file for file in self.files if file.from_index < end))
 
-    def read(self, feature: str) -> NDArray[np.generic]:
+    def read(self, feature: str) -> Array:
         """Read one feature of every frame.
 
         Parameters
@@ -105,8 +103,8 @@ def load(root: str | os.PathLike[str]) -> Dataset:
 def map_files[T](
     dataset: Dataset,
     features: Sequence[str],
-    fold: Callable[[DataFile, Frames], T],
-    progress: Callable[[int, int], None] = lambda done, total: None,
+    fold: Callable[[DataFile, Columns], T],
+    progress: Progress = no_progress,
 ) -> list[T]:
     """Read the data files, some at a time, and keep only what `fold` makes of each.
 
@@ -146,7 +144,7 @@ def map_files[T](
     return results
 
 
-def read_frames(schema: Schema, file: DataFile, features: Sequence[str], n_rows: int) -> Frames:
+def read_frames(schema: Schema, file: DataFile, features: Sequence[str], n_rows: int) -> Columns:
     """Read the first `n_rows` frames of one data file.
 
     Returns
@@ -163,10 +161,12 @@ def read_frames(schema: Schema, file: DataFile, features: Sequence[str], n_rows:
     expected_rows = file.to_index - file.from_index
     if parquet.metadata.num_rows != expected_rows:
         raise DatasetError(
-            file.path,
-            "rows",
-            found=f"{parquet.metadata.num_rows}",
-            expected=f"{expected_rows}, frames {file.from_index} to {file.to_index} of the episode index",
+            Fault(
+                file.path,
+                "rows",
+                f"{parquet.metadata.num_rows}",
+                f"{expected_rows}, frames {file.from_index} to {file.to_index} of the episode index",
+            )
         )
     table = read_columns(parquet, file.path, features, n_rows)
     frames = {name: vectors(table, name, schema.features[name].shape, file.path)[:n_rows] for name in features}
@@ -181,14 +181,16 @@ def in_threads[A, T](function: Callable[[A], T], items: Sequence[A]) -> Iterator
         yield from pool.map(function, items)
 
 
-def _check_finite(values: NDArray[np.generic], names: tuple[str, ...], file: DataFile, feature: str) -> None:
+def _check_finite(values: Array, names: tuple[str, ...], file: DataFile, feature: str) -> None:
     finite = np.isfinite(values)
     if finite.all():
         return
     row, column = np.argwhere(~finite)[0].tolist()
     raise DatasetError(
-        file.path,
-        f"{feature}[{names[column] if names else column}] in row {row}",
-        found=f"{values[row, column]} (frame {file.from_index + row} of the dataset)",
-        expected="a finite number",
+        Fault(
+            file.path,
+            f"{feature}[{names[column] if names else column}] in row {row}",
+            f"{values[row, column]} (frame {file.from_index + row} of the dataset)",
+            "a finite number",
+        )
     )

@@ -5,13 +5,13 @@ which says which frames are its own and which data file they are in.
 """
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from z2r.errors import DatasetError
+from z2r.arrays import Bools, Ints
+from z2r.errors import DatasetError, Fault
 from z2r.format.parquet import integers, open_parquet, read_columns
 from z2r.format.schema import INFO_PATH, Schema, data_file_path, inside
 
@@ -46,9 +46,13 @@ class EpisodeIndex:
     (2, [3, 5], slice(3, 8, None))
     """
 
-    from_index: NDArray[np.int64]
-    to_index: NDArray[np.int64]
-    numbers: NDArray[np.int64] | None = None
+    from_index: Ints
+    to_index: Ints
+    numbers: Ints = field(default_factory=lambda: np.empty(0, np.int64))
+
+    def __post_init__(self) -> None:
+        if not len(self.numbers):
+            object.__setattr__(self, "numbers", np.arange(len(self.from_index)))
 
     def __len__(self) -> int:
         return len(self.from_index)
@@ -58,7 +62,7 @@ class EpisodeIndex:
         return slice(int(self.from_index[episode]), int(self.to_index[episode]))
 
     @property
-    def lengths(self) -> NDArray[np.int64]:
+    def lengths(self) -> Ints:
         """Number of frames in each episode, int64[n_episodes]."""
         return self.to_index - self.from_index
 
@@ -68,29 +72,26 @@ class EpisodeIndex:
         return int(self.lengths.sum())
 
     @property
-    def frames(self) -> NDArray[np.int64]:
+    def frame_numbers(self) -> Ints:
         """The frames of all episodes one after another, int64[n_frames]: 0, 1, 2 ... unless a reading is wrong."""
         shift = self.from_index - (np.cumsum(self.lengths) - self.lengths)
-        frames: NDArray[np.int64] = np.arange(self.n_frames) + np.repeat(shift, self.lengths)
+        frames: Ints = np.arange(self.n_frames) + np.repeat(shift, self.lengths)
         return frames
 
     def number(self, episode: int) -> int:
         """Return what the dataset calls the episode that comes at this place, counted from 0."""
-        return episode if self.numbers is None else int(self.numbers[episode])
+        return int(self.numbers[episode])
 
-    def only(self, kept: slice | NDArray[np.bool_]) -> "EpisodeIndex":
+    def only(self, kept: slice | Bools) -> "EpisodeIndex":
         """Return the index of some of the episodes; each keeps its number."""
-        numbers = np.arange(len(self)) if self.numbers is None else self.numbers
-        return EpisodeIndex(self.from_index[kept], self.to_index[kept], numbers[kept])
+        return EpisodeIndex(self.from_index[kept], self.to_index[kept], self.numbers[kept])
 
     def merged(self) -> "EpisodeIndex":
         """Return the index that a reader would have who does not know of episodes: all frames are one."""
         return EpisodeIndex(self.from_index[:1], self.to_index[-1:])
 
 
-def parts_within(
-    episodes: EpisodeIndex, from_index: int, to_index: int
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+def parts_within(episodes: EpisodeIndex, from_index: int, to_index: int) -> tuple[Ints, Ints, Ints]:
     """Find the parts of episodes that lie in a range of frames, such as that of a data file.
 
     Returns
@@ -162,11 +163,13 @@ def shard_paths(root: Path) -> list[Path]:
     shards = [inside(root, shard.relative_to(root)) for shard in (root / EPISODES_DIR).glob("chunk-*/file-*.parquet")]
     if not shards:
         raise DatasetError(
-            root / EPISODES_DIR,
-            "",
-            found="no file-*.parquet in a chunk-* folder",
-            expected="at least one",
-            mend="Without it nobody knows where an episode ends; a recording that crashed never wrote it",
+            Fault(
+                root / EPISODES_DIR,
+                "",
+                "no file-*.parquet in a chunk-* folder",
+                "at least one",
+                mend="Without it nobody knows where an episode ends; a recording that crashed never wrote it",
+            )
         )
     return sorted(shards, key=file_numbers)
 
@@ -176,7 +179,7 @@ def file_numbers(path: Path) -> list[int]:
     return [int(number) for number in re.findall(r"\d+", f"{path.parent.name}/{path.name}")]
 
 
-def read_shard(path: Path) -> dict[str, NDArray[np.int64]]:
+def read_shard(path: Path) -> dict[str, Ints]:
     """Read the columns of one metadata shard, a row for each episode.
 
     Raises
@@ -188,41 +191,41 @@ def read_shard(path: Path) -> dict[str, NDArray[np.int64]]:
     return {name: integers(table, name, path) for name in COLUMNS}
 
 
-def _check_one_story(columns: dict[str, NDArray[np.int64]], path: Path) -> None:
+def _check_one_story(columns: dict[str, Ints], path: Path) -> None:
     number, start, stop = columns["episode_index"], columns["dataset_from_index"], columns["dataset_to_index"]
     if not len(number):
-        raise DatasetError(path, "", found="no episodes", expected="at least one")
+        raise DatasetError(Fault(path, "", "no episodes", "at least one"))
     _check_equal(number, np.arange(len(number)), path, "episode_index")
     _check_equal(start, np.concatenate([[0], stop[:-1]]), path, "dataset_from_index")
     _check_equal(columns["length"], stop - start, path, "length")
     if np.any(stop <= start):
         episode = int(np.argmax(stop <= start))
         raise DatasetError(
-            path,
-            f"dataset_to_index of episode {episode}",
-            found=f"{stop[episode]}",
-            expected=f"more than its dataset_from_index, {start[episode]}",
+            Fault(
+                path,
+                f"dataset_to_index of episode {episode}",
+                f"{stop[episode]}",
+                f"more than its dataset_from_index, {start[episode]}",
+            )
         )
 
 
-def _check_equal(found: NDArray[np.int64], expected: NDArray[np.int64], path: Path, field: str) -> None:
+def _check_equal(found: Ints, expected: Ints, path: Path, field: str) -> None:
     if not np.array_equal(found, expected):
         episode = int(np.argmax(found != expected))
-        raise DatasetError(
-            path, f"{field} of episode {episode}", found=f"{found[episode]}", expected=f"{expected[episode]}"
-        )
+        raise DatasetError(Fault(path, f"{field} of episode {episode}", f"{found[episode]}", f"{expected[episode]}"))
 
 
 def _check_totals(index: EpisodeIndex, schema: Schema, path: Path) -> None:
-    for field, stated, counted in (
+    for key, stated, counted in (
         ("total_episodes", schema.total_episodes, len(index)),
         ("total_frames", schema.total_frames, index.n_frames),
     ):
         if stated != counted:
-            raise DatasetError(path, field, found=f"{stated}", expected=f"{counted}, as meta/episodes says")
+            raise DatasetError(Fault(path, key, f"{stated}", f"{counted}, as meta/episodes says"))
 
 
-def _data_files(root: Path, schema: Schema, columns: dict[str, NDArray[np.int64]]) -> tuple[DataFile, ...]:
+def _data_files(root: Path, schema: Schema, columns: dict[str, Ints]) -> tuple[DataFile, ...]:
     pointer = np.stack([columns["data/chunk_index"], columns["data/file_index"]], axis=1)
     begins = np.concatenate([[True], np.any(pointer[1:] != pointer[:-1], axis=1)])
     first = np.flatnonzero(begins)
@@ -239,14 +242,16 @@ def _data_files(root: Path, schema: Schema, columns: dict[str, NDArray[np.int64]
     return files
 
 
-def _check_each_file_once(files: tuple[DataFile, ...], first_episode: NDArray[np.int64], path: Path) -> None:
+def _check_each_file_once(files: tuple[DataFile, ...], first_episode: Ints, path: Path) -> None:
     seen: set[Path] = set()
     for file, episode in zip(files, first_episode, strict=True):
         if file.path in seen:
             raise DatasetError(
-                path,
-                f"data/file_index of episode {episode}",
-                found=f"{file.path.name} again, after another file",
-                expected="episodes of one file side by side",
+                Fault(
+                    path,
+                    f"data/file_index of episode {episode}",
+                    f"{file.path.name} again, after another file",
+                    "episodes of one file side by side",
+                )
             )
         seen.add(file.path)

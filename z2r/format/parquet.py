@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
-from numpy.typing import NDArray
 
-from z2r.errors import DatasetError
+from z2r.arrays import Array, Ints
+from z2r.errors import DatasetError, Fault
 
 # The last one: pyarrow meets a damaged column name.
 _UNREADABLE = (pa.ArrowException, OSError, UnicodeDecodeError)
@@ -35,7 +35,7 @@ def open_parquet(path: Path) -> pq.ParquetFile:
         return pq.ParquetFile(path, memory_map=True)
     except FileNotFoundError:
         raise DatasetError(
-            path, "", found="no such file", expected="a parquet file", mend="Copy or download the dataset again"
+            Fault(path, "", "no such file", "a parquet file", mend="Copy or download the dataset again")
         ) from None
     except _UNREADABLE as error:
         raise _unreadable(path, error) from error
@@ -70,18 +70,20 @@ def read_columns(file: pq.ParquetFile, path: Path, columns: Sequence[str], n_row
     present = stored.names
     for column in columns:
         if column not in present:
-            raise DatasetError(path, column, found="no such column", expected=f"it among {_some(present)}")
+            raise DatasetError(Fault(path, column, "no such column", f"it among {_some(present)}"))
         if present.count(column) > 1:
-            raise DatasetError(path, column, found=f"{present.count(column)} columns of this name", expected="one")
+            raise DatasetError(Fault(path, column, f"{present.count(column)} columns of this name", "one"))
     claimed = file.metadata.num_rows if n_rows is None else min(n_rows, file.metadata.num_rows)
     a_row = sum(width(stored.field(column).type) or 1 for column in columns)
     if claimed * a_row > _MAX_NUMBERS:
         raise DatasetError(
-            path,
-            "rows",
-            found=f"{claimed:,} rows of {a_row:,} numbers",
-            expected=f"at most {_MAX_NUMBERS:,} numbers in one file",
-            mend="LeRobot begins a new file every 100 MB: it is damaged, or wants to be split",
+            Fault(
+                path,
+                "rows",
+                f"{claimed:,} rows of {a_row:,} numbers",
+                f"at most {_MAX_NUMBERS:,} numbers in one file",
+                mend="LeRobot begins a new file every 100 MB: it is damaged, or wants to be split",
+            )
         )
     try:
         table = file.read_row_groups(_leading_row_groups(file, n_rows), columns=list(columns))
@@ -89,11 +91,13 @@ def read_columns(file: pq.ParquetFile, path: Path, columns: Sequence[str], n_row
         raise _unreadable(path, error) from error
     if len(table) < claimed:
         raise DatasetError(
-            path,
-            "rows",
-            found=f"{len(table)}",
-            expected=f"{claimed}, as its footer says",
-            mend="It is damaged: copy or record it again",
+            Fault(
+                path,
+                "rows",
+                f"{len(table)}",
+                f"{claimed}, as its footer says",
+                mend="It is damaged: copy or record it again",
+            )
         )
     return table
 
@@ -119,7 +123,7 @@ def has_gaps(table: pa.Table, column: str) -> bool:
     return bool(array.null_count)
 
 
-def integers(table: pa.Table, column: str, path: Path) -> NDArray[np.int64]:
+def integers(table: pa.Table, column: str, path: Path) -> Ints:
     """Return one integer column as a read-only array, int64[n_rows].
 
     Raises
@@ -129,12 +133,12 @@ def integers(table: pa.Table, column: str, path: Path) -> NDArray[np.int64]:
     """
     array = _one_array(table, column)
     if not pa.types.is_integer(array.type):
-        raise DatasetError(path, column, found=f"type {array.type}", expected="whole numbers")
+        raise DatasetError(Fault(path, column, f"type {array.type}", "whole numbers"))
     _check_no_gaps(array, path, column)
     return np.from_dlpack(array).astype(np.int64, copy=False)
 
 
-def vectors(table: pa.Table, column: str, shape: Sequence[int], path: Path) -> NDArray[np.generic]:
+def vectors(table: pa.Table, column: str, shape: Sequence[int], path: Path) -> Array:
     """Return one numeric column as a read-only array, one flattened vector for each row.
 
     Parameters
@@ -167,7 +171,7 @@ def vectors(table: pa.Table, column: str, shape: Sequence[int], path: Path) -> N
     if pa.types.is_boolean(array.type):
         array = array.cast(pa.uint8())
     if not (pa.types.is_integer(array.type) or pa.types.is_floating(array.type)):
-        raise DatasetError(path, column, found=f"values of type {array.type}", expected=_NUMERIC)
+        raise DatasetError(Fault(path, column, f"values of type {array.type}", _NUMERIC))
     return np.from_dlpack(array).reshape(n_rows, math.prod(shape))
 
 
@@ -192,16 +196,16 @@ def _flatten_lists(array: pa.Array, size: int, shape: Sequence[int], path: Path,
     # `array.flatten()` would do, but imports pyarrow.compute, which costs more than reading a small dataset.
     if pa.types.is_fixed_size_list(array.type):
         if array.type.list_size != size:
-            raise DatasetError(path, column, found=f"{array.type.list_size} in each row", expected=expected)
+            raise DatasetError(Fault(path, column, f"{array.type.list_size} in each row", expected))
         return array.values.slice(array.offset * size, len(array) * size)
     if _is_list(array.type):
         offsets = np.from_dlpack(array.offsets)
         sizes = np.diff(offsets)
         if np.any(sizes != size):
             row = int(np.argmax(sizes != size))
-            raise DatasetError(path, column, found=f"{sizes[row]} in row {row}", expected=expected)
+            raise DatasetError(Fault(path, column, f"{sizes[row]} in row {row}", expected))
         return array.values.slice(offsets[0], len(array) * size)
-    raise DatasetError(path, column, found=f"values of type {array.type}", expected=expected)
+    raise DatasetError(Fault(path, column, f"values of type {array.type}", expected))
 
 
 def _some(names: Sequence[str]) -> str:
@@ -215,7 +219,7 @@ def _is_list(kind: pa.DataType) -> bool:
 def _check_no_gaps(array: pa.Array, path: Path, column: str) -> None:
     if array.null_count:
         found = f"no value in {array.null_count} of {len(array)} rows"
-        raise DatasetError(path, column, found=found, expected=_NUMERIC)
+        raise DatasetError(Fault(path, column, found, _NUMERIC))
 
 
 def _said(error: Exception) -> str:
@@ -224,9 +228,11 @@ def _said(error: Exception) -> str:
 
 def _unreadable(path: Path, error: Exception) -> DatasetError:
     return DatasetError(
-        path,
-        "",
-        found=f"bytes that pyarrow cannot read ({_said(error).replace(str(path), path.name)})",
-        expected="a whole parquet file",
-        mend="It was cut off or damaged: copy or record it again",
+        Fault(
+            path,
+            "",
+            f"bytes that pyarrow cannot read ({_said(error).replace(str(path), path.name)})",
+            "a whole parquet file",
+            mend="It was cut off or damaged: copy or record it again",
+        )
     )

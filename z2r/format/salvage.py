@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from z2r.arrays import Bools, Ints
 from z2r.audits.frames import read_file
-from z2r.audits.structure import Ints, Rows, name_files, read_rows
-from z2r.errors import DatasetError
+from z2r.audits.structure import Rows, name_files, read_rows
+from z2r.errors import DatasetError, Fault
 from z2r.format.dataset import Dataset, in_threads
 from z2r.format.episodes import EPISODES_DIR, DataFile, EpisodeIndex
 from z2r.format.schema import Schema, read_schema
@@ -118,7 +118,7 @@ def _whole(rows: Rows, file: int, part: _Part) -> _Whole:
     return _Whole(own[fits], part.start[run[fits]], part.stop[run[fits]])
 
 
-def _once(numbers: Ints) -> NDArray[np.bool_]:
+def _once(numbers: Ints) -> Bools:
     """Tell of each number whether it comes only once."""
     values, counts = np.unique(numbers, return_counts=True)
     return np.isin(numbers, values[counts == 1])
@@ -157,4 +157,4 @@ def _join(
 
 def _no_episode(root: Path, found: str) -> DatasetError:
     mend = "Copy or record the dataset again; a data file is left out as a whole where one of its values is no number"
-    return DatasetError(root / EPISODES_DIR, "", found=found, expected="at least one whole episode", mend=mend)
+    return DatasetError(Fault(root / EPISODES_DIR, "", found, "at least one whole episode", mend=mend))

@@ -13,7 +13,7 @@ from typing import Annotated, Any
 
 import msgspec
 
-from z2r.errors import DatasetError
+from z2r.errors import DatasetError, Fault
 
 INFO_PATH = Path("meta/info.json")
 STATE = "observation.state"
@@ -149,7 +149,7 @@ def read_schema(root: Path) -> Schema:
     _check_version(_decode(raw, _Version, path).codebase_version, path)
     features = _decode(raw, _Features, path).features
     if len(features) > _MAX_FEATURES:
-        raise DatasetError(path, "features", found=f"{len(features):,} features", expected=f"at most {_MAX_FEATURES:,}")
+        raise DatasetError(Fault(path, "features", f"{len(features):,} features", f"at most {_MAX_FEATURES:,}"))
     for name, feature in features.items():
         _decode(feature, Feature, path, f"features.{name}")  # one by one, so that an error says which
     schema = _decode(raw, Schema, path)
@@ -173,22 +173,24 @@ def inside(root: Path, relative: Path | str) -> Path:
         real, real_root = path.resolve(), root.resolve()
         is_device = real.exists() and not real.is_file() and not real.is_dir()
     except RuntimeError:  # Python up to 3.12 says so of a link that leads to itself
-        raise DatasetError(path, "", found="a link that leads to itself", expected="a file") from None
+        raise DatasetError(Fault(path, "", "a link that leads to itself", "a file")) from None
     except (OSError, ValueError) as error:
-        raise DatasetError(path, "", found=f"a path that cannot be ({error.args[-1]})", expected="a file") from None
+        raise DatasetError(Fault(path, "", f"a path that cannot be ({error.args[-1]})", "a file")) from None
     allowed = [real_root]
     if real_root.parent.name == "snapshots":
         allowed.append(real_root.parents[1] / "blobs")
     if not any(real.is_relative_to(folder) for folder in allowed):
         raise DatasetError(
-            path,
-            "",
-            found="a path that leads out of the dataset",
-            expected="a file inside the dataset",
-            mend="If you trust the link, copy the dataset with its links followed: cp -rL",
+            Fault(
+                path,
+                "",
+                "a path that leads out of the dataset",
+                "a file inside the dataset",
+                mend="If you trust the link, copy the dataset with its links followed: cp -rL",
+            )
         )
     if is_device:
-        raise DatasetError(path, "", found="a pipe or a device, which may never end", expected="a file")
+        raise DatasetError(Fault(path, "", "a pipe or a device, which may never end", "a file"))
     return path
 
 
@@ -206,18 +208,20 @@ def data_file_path(root: Path, schema: Schema, chunk_index: int, file_index: int
 def _read_info(root: Path) -> bytes:
     path = inside(root, INFO_PATH)
     if not root.is_dir():
-        raise DatasetError(root, "", found="no such folder", expected="the folder of a LeRobot dataset")
+        raise DatasetError(Fault(root, "", "no such folder", "the folder of a LeRobot dataset"))
     try:
         if path.stat().st_size > _MAX_INFO_BYTES:
-            raise DatasetError(path, "", found=f"{path.stat().st_size} bytes", expected=f"at most {_MAX_INFO_BYTES}")
+            raise DatasetError(Fault(path, "", f"{path.stat().st_size} bytes", f"at most {_MAX_INFO_BYTES}"))
         return path.read_bytes()
     except OSError as error:
         raise DatasetError(
-            path,
-            "",
-            found=(error.strerror or str(error)).lower(),
-            expected="the schema of a LeRobot dataset",
-            mend="Name the folder that holds meta/ and data/",
+            Fault(
+                path,
+                "",
+                (error.strerror or str(error)).lower(),
+                "the schema of a LeRobot dataset",
+                mend="Name the folder that holds meta/ and data/",
+            )
         ) from error
 
 
@@ -236,11 +240,13 @@ def _decode[T](raw: bytes | msgspec.Raw, kind: type[T], path: Path, inside_field
         raise _wrong_value(bytes(raw), str(error), path, inside_field) from error
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
         raise DatasetError(
-            path,
-            inside_field,
-            found=f"broken JSON ({error})",
-            expected="whole JSON",
-            mend="Copy or download the file again",
+            Fault(
+                path,
+                inside_field,
+                f"broken JSON ({error})",
+                "whole JSON",
+                mend="Copy or download the file again",
+            )
         ) from error
 
 
@@ -249,10 +255,10 @@ def _wrong_value(raw: bytes, message: str, path: Path, inside_field: str) -> Dat
     what, _, where = message.partition(" - at `$")
     if missing := re.search("missing required field `(.*)`", what):
         field = ".".join(filter(None, [inside_field, missing[1]]))
-        return DatasetError(path, field, found="nothing", expected="this field")
+        return DatasetError(Fault(path, field, "nothing", "this field"))
     field = (inside_field + where.rstrip("`")).lstrip(".")
     expected = what.removeprefix("Expected ").split(",")[0]
-    return DatasetError(path, field, found=_excerpt(raw, re.findall(r"\.(\w+)", where)), expected=expected)
+    return DatasetError(Fault(path, field, _excerpt(raw, re.findall(r"\.(\w+)", where)), expected))
 
 
 def _excerpt(raw: bytes, keys: Sequence[str]) -> str:
@@ -268,7 +274,7 @@ def _check_version(version: str, path: Path) -> None:
     if version.startswith("v3."):
         return
     mend = f"Convert it: {_CONVERTER}" if version.startswith("v2.") else ""
-    raise DatasetError(path, "codebase_version", found=repr(version), expected="'v3.0' or a later v3", mend=mend)
+    raise DatasetError(Fault(path, "codebase_version", repr(version), "'v3.0' or a later v3", mend=mend))
 
 
 def _check_template(template: str, path: Path) -> None:
@@ -283,4 +289,4 @@ def _check_template(template: str, path: Path) -> None:
         for name, spec, how in fields
     )
     if not plain or Path(template).is_absolute() or ".." in Path(template).parts or "\0" in template:
-        raise DatasetError(path, "data_path", found=repr(template), expected=expected)
+        raise DatasetError(Fault(path, "data_path", repr(template), expected))

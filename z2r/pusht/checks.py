@@ -9,11 +9,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from z2r.arrays import Bools, Columns, Floats, Ints, reduce_parts
 from z2r.audits.findings import Finding, error, warning
-from z2r.audits.structure import Ints
-from z2r.format.dataset import Frames
 from z2r.format.episodes import EpisodeIndex, parts_within
 from z2r.format.schema import ACTION, Schema
 from z2r.pusht import motion
@@ -22,7 +20,6 @@ from z2r.pusht.overlap import LIMIT, overlap
 from z2r.pusht.task import ACTION_LIMIT, PUSHER_RADIUS, WALL
 from z2r.pusht.verdict import Recording
 from z2r.reading.angles import wrap_angle
-from z2r.reading.inspection import reduce_parts
 from z2r.reading.reading import Reading, named_columns, read_pose
 from z2r.reading.success import FrameErrors, in_tolerance
 
@@ -35,8 +32,6 @@ _RARE = 0.05  # of the steps
 _OFTEN = 0.01  # of the frames
 _FLUNG = 0.025  # m in one frame: a block that is hit may go this much further than the pusher
 _FEW = 3  # episodes
-
-type Floats = NDArray[np.float64]
 
 
 class Worst(NamedTuple):
@@ -60,12 +55,12 @@ class Sums(NamedTuple):
     motion: Floats  # of each of these episodes, as `motion.sum_up` gives it
     stuck: Worst
     episode: Ints  # numbers of the episodes that this file holds a part of
-    in_tolerance: NDArray[np.bool_]  # in one of its frames
+    in_tolerance: Bools  # in one of its frames
     first: Floats  # offset from the target in its first frame here: x [m], y [m], turn [rad]
     last: Floats
 
 
-def fold(frames: Frames, base: int, episodes: EpisodeIndex, reading: Reading, schema: Schema) -> Sums:
+def fold(frames: Columns, base: int, episodes: EpisodeIndex, reading: Reading, schema: Schema) -> Sums:
     """Sum up one data file, whose first row is frame `base` of the dataset."""
     state, n = frames[reading.feature], len(frames[reading.feature])
     here, starts, stops = parts_within(episodes, base, base + n)
@@ -93,7 +88,7 @@ def fold(frames: Frames, base: int, episodes: EpisodeIndex, reading: Reading, sc
         half_turns=_worst(errors.ang_err, errors.ang_err > np.pi + 1e-6, base),
         motion=motion.sum_up(steps * schema.fps, action, together & free, starts, reading.action_lag),
         stuck=_stuck(steps, action, inside & free, base + 1),
-        episode=here if episodes.numbers is None else episodes.numbers[here],
+        episode=episodes.numbers[here],
         in_tolerance=reduce_parts(np.logical_or, fine, starts, stops),
         first=offset[starts],
         last=offset[stops - 1],
@@ -113,9 +108,7 @@ def judge(sums: Sequence[Sums], files: Sequence[Path], reading: Reading) -> Iter
     yield from _judge_ends(sums, reading)
 
 
-def check_verdict(
-    reached: NDArray[np.bool_], episodes: EpisodeIndex, verdict: Recording, name: str
-) -> Iterator[Finding]:
+def check_verdict(reached: Bools, episodes: EpisodeIndex, verdict: Recording, name: str) -> Iterator[Finding]:
     """Does the reading agree with the simulator? Success implies that the last stored frame is in tolerance.
 
     Parameters
@@ -146,10 +139,10 @@ def check_verdict(
         )
 
 
-def reached(sums: Sequence[Sums], reading: Reading) -> NDArray[np.bool_]:
+def reached(sums: Sequence[Sums], reading: Reading) -> Bools:
     """Tell which episodes are in tolerance in their decisive frame, in the order of their numbers."""
     x, y, turn = _decisive(sums, reading).T
-    fine: NDArray[np.bool_] = (np.hypot(x, y) <= reading.pos_tol) & (np.abs(turn) <= reading.ang_tol)
+    fine: Bools = (np.hypot(x, y) <= reading.pos_tol) & (np.abs(turn) <= reading.ang_tol)
     return fine
 
 
@@ -256,26 +249,26 @@ def _middle(x: Floats, y: Floats) -> tuple[Floats, float]:
     return middle, float(np.median(np.hypot(x - middle[0], y - middle[1])))
 
 
-def _away_from_walls(columns: dict[str, Floats], reading: Reading) -> NDArray[np.bool_]:
+def _away_from_walls(columns: dict[str, Floats], reading: Reading) -> Bools:
     """Tell of each frame and the next whether both are away from any wall, bool[n - 1]; all, if no frame is."""
     reach = np.max([np.abs(columns[name]) for name in reading.pusher], axis=0)
     free = reach < WALL - 2 * PUSHER_RADIUS
     if not free.any():
         return np.ones(len(reach) - 1, dtype=bool)
-    pairs: NDArray[np.bool_] = free[1:] & free[:-1]
+    pairs: Bools = free[1:] & free[:-1]
     return pairs
 
 
-def _pairs_inside(starts: Ints, stops: Ints, n: int) -> NDArray[np.bool_]:
+def _pairs_inside(starts: Ints, stops: Ints, n: int) -> Bools:
     """Tell of each frame and the next whether one episode holds both, bool[n - 1]."""
     change = np.zeros(n + 1, dtype=np.int64)
     np.add.at(change, starts, 1)
     np.add.at(change, np.maximum(stops - 1, starts), -1)
-    inside: NDArray[np.bool_] = np.cumsum(change)[: n - 1] > 0
+    inside: Bools = np.cumsum(change)[: n - 1] > 0
     return inside
 
 
-def _velocity(frames: Frames, reading: Reading, schema: Schema) -> Floats:
+def _velocity(frames: Columns, reading: Reading, schema: Schema) -> Floats:
     places = schema.columns(ACTION, reading.velocity)
     return frames[ACTION][:, places].astype(np.float64)
 
@@ -296,7 +289,7 @@ def _leaps(steps: Floats, action: Floats, block_steps: Floats, seconds: float) -
     return beyond, np.maximum(np.hypot(*(steps - asked).T), block_steps)
 
 
-def _stuck(steps: Floats, action: Floats, inside: NDArray[np.bool_], first_frame: int) -> Worst:
+def _stuck(steps: Floats, action: Floats, inside: Bools, first_frame: int) -> Worst:
     """Find where the pusher does not move at all, frame after frame, although it is asked to."""
     still = inside & (steps == 0).all(axis=1) & (np.hypot(*action[:-1].T) > STILL)
     rows = np.arange(1, len(still) + 1)
@@ -304,7 +297,7 @@ def _stuck(steps: Floats, action: Floats, inside: NDArray[np.bool_], first_frame
     return _worst(in_a_row.astype(np.float64), in_a_row >= _STUCK, first_frame)
 
 
-def _worst(values: Floats, wrong: NDArray[np.bool_], first_frame: int) -> Worst:
+def _worst(values: Floats, wrong: Bools, first_frame: int) -> Worst:
     if not wrong.any():
         return Worst()
     row = int(np.where(wrong, values, -np.inf).argmax())

@@ -4,11 +4,10 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from z2r.arrays import Bools, Floats, Ints
 from z2r.audits.findings import Finding, error, warning
 from z2r.audits.index import and_more
-from z2r.audits.structure import Ints
 
 SHIFTS = (0, -1, 1, -2, 2)  # frames by which an action may be late or early; 0 first, so that it wins a tie
 STILL = 0.005  # m/s: less is no motion
@@ -20,10 +19,8 @@ _EXPLAINS = 0.5  # correlation of an action with what it does: 0.99 on the shipp
 # Of the speed that is asked for, what is reached: 0.92 to 0.96 on the shipped data, less the noisier the action is.
 _SCALES = (0.55, 1.5)
 
-type Floats = NDArray[np.float64]
 
-
-def sum_up(velocity: Floats, action: Floats, inside: NDArray[np.bool_], starts: Ints, lag: int) -> Floats:
+def sum_up(velocity: Floats, action: Floats, inside: Bools, starts: Ints, lag: int) -> Floats:
     """Sum up all from which the correlation of action and velocity follows, for each episode, shift and axis.
 
     Parameters
@@ -114,9 +111,9 @@ def _fit(motion: Floats) -> _Fit:
     return _Fit(n.min(axis=(1, 2)), asked, moved, spreads.min(axis=(0, 2, 3)), correlation, scale)
 
 
-def _one_is_still(fit: _Fit) -> NDArray[np.bool_]:
+def _one_is_still(fit: _Fit) -> Bools:
     """Tell of each axis whether only one of action and pusher moves along it."""
-    quiet: NDArray[np.bool_] = np.minimum(fit.asked, fit.moved) < STILL
+    quiet: Bools = np.minimum(fit.asked, fit.moved) < STILL
     return quiet & (np.maximum(fit.asked, fit.moved) > _LOUD)
 
 

@@ -5,8 +5,8 @@ box, apart from the millimetres by which a simulated contact gives way. A readin
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from z2r.arrays import Array, Floats
 from z2r.format.schema import Schema
 from z2r.pusht import task
 from z2r.reading.reading import Reading, named_columns, read_pose
@@ -17,10 +17,8 @@ LIMIT = 0.010
 
 _BOXES = ((task.BAR_CENTER, task.BAR_HALF_SIZE), (task.STEM_CENTER, task.STEM_HALF_SIZE))
 
-type _Array = NDArray[np.float64]
 
-
-def overlap(state: NDArray[np.generic], reading: Reading, schema: Schema) -> _Array:
+def overlap(state: Array, reading: Reading, schema: Schema) -> Floats:
     """Measure how far the pusher sinks into the block in every frame.
 
     Parameters
@@ -48,7 +46,7 @@ def overlap(state: NDArray[np.generic], reading: Reading, schema: Schema) -> _Ar
     return np.maximum(task.PUSHER_RADIUS - np.minimum(*distances), 0.0)
 
 
-def pusher_in_block(state: NDArray[np.generic], reading: Reading, schema: Schema) -> tuple[_Array, _Array]:
+def pusher_in_block(state: Array, reading: Reading, schema: Schema) -> tuple[Floats, Floats]:
     """Say where the pusher is as seen from the block.
 
     Parameters
@@ -72,9 +70,9 @@ def pusher_in_block(state: NDArray[np.generic], reading: Reading, schema: Schema
     return cosine * dx + sine * dy, -sine * dx + cosine * dy
 
 
-def _distance_to_box(x: _Array, y: _Array, half_size: tuple[float, float, float]) -> _Array:
+def _distance_to_box(x: Floats, y: Floats, half_size: tuple[float, float, float]) -> Floats:
     """Measure from points to the nearest side of a box around the origin [m], negative where they are inside it."""
     beyond_x, beyond_y = np.abs(x) - half_size[0], np.abs(y) - half_size[1]
-    outside: _Array = np.hypot(np.maximum(beyond_x, 0.0), np.maximum(beyond_y, 0.0))
-    inside: _Array = np.minimum(np.maximum(beyond_x, beyond_y), 0.0)
+    outside: Floats = np.hypot(np.maximum(beyond_x, 0.0), np.maximum(beyond_y, 0.0))
+    inside: Floats = np.minimum(np.maximum(beyond_x, beyond_y), 0.0)
     return outside + inside

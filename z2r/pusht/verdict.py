@@ -9,7 +9,7 @@ from typing import Annotated
 
 import msgspec
 
-from z2r.errors import DatasetError
+from z2r.errors import DatasetError, Fault
 
 
 class Verdict(msgspec.Struct, frozen=True):
@@ -85,4 +85,4 @@ def read_verdict(root: str | os.PathLike[str]) -> Recording | None:
     try:
         return msgspec.json.decode(path.read_bytes(), type=Recording)
     except (msgspec.MsgspecError, UnicodeDecodeError) as error:
-        raise DatasetError(path, "", found=f"{error}", expected="a verdict as z2r record writes it") from error
+        raise DatasetError(Fault(path, "", f"{error}", "a verdict as z2r record writes it")) from error

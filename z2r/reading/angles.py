@@ -1,10 +1,12 @@
 """Which way is the block pointing? Decode a yaw that is stored as (sin, cos)."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from z2r.arrays import Floats
 
 
-def wrap_angle(angle: ArrayLike) -> NDArray[np.float64]:
+def wrap_angle(angle: ArrayLike) -> Floats:
     """Bring angles into one turn.
 
     Parameters
@@ -30,7 +32,7 @@ def wrap_angle(angle: ArrayLike) -> NDArray[np.float64]:
     return np.where(wrapped >= np.pi, -np.pi, wrapped)
 
 
-def decode_yaw(sin_yaw: ArrayLike, cos_yaw: ArrayLike) -> NDArray[np.float64]:
+def decode_yaw(sin_yaw: ArrayLike, cos_yaw: ArrayLike) -> Floats:
     """Decode a yaw from its sine and cosine: ``atan2(sin, cos)``, in that order.
 
     Swapping the two arguments gives ``pi/2 - yaw``: the direction mirrored about 45 degrees.

@@ -4,15 +4,14 @@ The summary is a fold over the data files: each file gives one row for every epi
 rows are merged at the end. Nothing else of a file is kept.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
-from z2r.format.dataset import Dataset, Frames, map_files
+from z2r.arrays import Array, Bools, Columns, Floats, Ints, Progress, no_progress, reduce_parts
+from z2r.format.dataset import Dataset, map_files
 from z2r.format.episodes import DataFile, EpisodeIndex, parts_within
 from z2r.format.schema import ACTION, STATE, Schema
 from z2r.reading.breaks import BreakMode
@@ -30,8 +29,8 @@ class Ranges:
         Of the dtype in the file.
     """
 
-    low: NDArray[np.generic]
-    high: NDArray[np.generic]
+    low: Array
+    high: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,9 +47,9 @@ class Outcome:
         Whether both are within the tolerances.
     """
 
-    final_pos_err: NDArray[np.float64]
-    final_ang_err: NDArray[np.float64]
-    reached: NDArray[np.bool_]
+    final_pos_err: Floats
+    final_ang_err: Floats
+    reached: Bools
 
     @property
     def n_reached(self) -> int:
@@ -133,7 +132,7 @@ def inspect_dataset(
     dataset: Dataset,
     mode: BreakMode | None = None,
     reading: Reading = PUSHT,
-    progress: Callable[[int, int], None] = lambda done, total: None,
+    progress: Progress = no_progress,
 ) -> Inspection:
     """Read every frame of a dataset and sum it up.
 
@@ -163,7 +162,7 @@ def inspect_dataset(
     missing = reading.missing(schema)
     features = list(schema.signals())
 
-    def fold(file: DataFile, frames: Frames) -> _Rows:
+    def fold(file: DataFile, frames: Columns) -> _Rows:
         return _summarise(file, frames, episodes)
 
     rows = _merge(map_files(dataset, features, fold, progress))
@@ -187,14 +186,14 @@ def metrics_json(metrics: dict[str, Any]) -> bytes:
 class _Rows:
     """One row for each part of an episode; all arrays have a row for each."""
 
-    episode: NDArray[np.int64]
-    low: Frames
-    high: Frames
-    first: Frames
-    last: Frames
+    episode: Ints
+    low: Columns
+    high: Columns
+    first: Columns
+    last: Columns
 
 
-def _summarise(file: DataFile, frames: Frames, episodes: EpisodeIndex) -> _Rows:
+def _summarise(file: DataFile, frames: Columns, episodes: EpisodeIndex) -> _Rows:
     here, starts, stops = parts_within(episodes, file.from_index, file.to_index)
     return _Rows(
         episode=here,
@@ -205,43 +204,13 @@ def _summarise(file: DataFile, frames: Frames, episodes: EpisodeIndex) -> _Rows:
     )
 
 
-def reduce_parts[T: np.generic](
-    function: np.ufunc, values: NDArray[T], starts: NDArray[np.int64], stops: NDArray[np.int64]
-) -> NDArray[T]:
-    """Reduce parts of an array, which may overlap or leave gaps.
-
-    Parameters
-    ----------
-    function : ufunc
-        Such as ``np.minimum``: what comes of a value that it is given twice must be the same.
-    values : ndarray, (n_rows, size)
-        The whole.
-    starts, stops : ndarray, int64[n_parts]
-        First row, and one past the last row, of each part; none is empty.
-
-    Returns
-    -------
-    ndarray, (n_parts, size)
-
-    Examples
-    --------
-    >>> values = np.array([[5], [3], [8], [1]])
-    >>> reduce_parts(np.minimum, values, starts=np.array([0, 1]), stops=np.array([3, 4])).ravel()
-    array([3, 1])
-    """
-    # reduceat wants the parts as pairs of rows that are in the array: the last row of each comes in by itself.
-    pairs = np.stack([starts, np.minimum(stops, len(values) - 1)], axis=1).ravel()
-    parts: NDArray[T] = function(function.reduceat(values, pairs, axis=0)[::2], values[stops - 1])
-    return parts
-
-
 def _merge(parts: list[_Rows]) -> _Rows:
     """Join the rows of all files; an episode that lies in several files becomes one row again."""
     episode = np.concatenate([part.episode for part in parts])
     starts = np.flatnonzero(np.diff(episode, prepend=-1))
     stops = np.append(starts[1:], len(episode))
 
-    def joined(column: str) -> Frames:
+    def joined(column: str) -> Columns:
         return {name: np.concatenate([getattr(part, column)[name] for part in parts]) for name in parts[0].low}
 
     return _Rows(
@@ -253,7 +222,7 @@ def _merge(parts: list[_Rows]) -> _Rows:
     )
 
 
-def _outcome(decisive_frames: NDArray[np.generic], reading: Reading, schema: Schema) -> Outcome:
+def _outcome(decisive_frames: Array, reading: Reading, schema: Schema) -> Outcome:
     errors = frame_errors(decisive_frames, reading, schema)
     return Outcome(errors.pos_err, errors.ang_err, in_tolerance(errors, reading))
 

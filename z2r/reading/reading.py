@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from z2r.arrays import Array, Floats
 from z2r.format.schema import STATE, Schema
 from z2r.pusht.task import ANG_TOL, POS_TOL
 from z2r.reading.angles import decode_yaw
@@ -82,9 +82,9 @@ class Reading:
 class Pose(NamedTuple):
     """A planar pose for every frame: x and y [m], yaw [rad] in [-pi, pi], each float64[n_frames]."""
 
-    x: NDArray[np.float64]
-    y: NDArray[np.float64]
-    yaw: NDArray[np.float64]
+    x: Floats
+    y: Floats
+    yaw: Floats
 
 
 PUSHT = Reading(
@@ -98,7 +98,7 @@ PUSHT = Reading(
 )
 
 
-def named_columns(state: NDArray[np.generic], reading: Reading, schema: Schema) -> dict[str, NDArray[np.float64]]:
+def named_columns(state: Array, reading: Reading, schema: Schema) -> dict[str, Floats]:
     """Pick the columns that a reading names out of the state.
 
     Parameters
@@ -123,7 +123,7 @@ def named_columns(state: NDArray[np.generic], reading: Reading, schema: Schema) 
     return {name: state[:, place].astype(np.float64) for name, place in zip(reading.names, places, strict=True)}
 
 
-def read_pose(columns: dict[str, NDArray[np.float64]], pose: PoseColumns) -> Pose:
+def read_pose(columns: dict[str, Floats], pose: PoseColumns) -> Pose:
     """Decode a pose in every frame.
 
     Parameters

@@ -8,8 +8,8 @@ stored, and the two can differ.
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from z2r.arrays import Array, Bools, Floats
 from z2r.format.schema import Schema
 from z2r.reading.angles import wrap_angle
 from z2r.reading.reading import Reading, named_columns, read_pose
@@ -18,11 +18,11 @@ from z2r.reading.reading import Reading, named_columns, read_pose
 class FrameErrors(NamedTuple):
     """How far the block is from the target: distance [m] and yaw [rad] in [0, pi], each float64[n_frames]."""
 
-    pos_err: NDArray[np.float64]
-    ang_err: NDArray[np.float64]
+    pos_err: Floats
+    ang_err: Floats
 
 
-def frame_errors(state: NDArray[np.generic], reading: Reading, schema: Schema) -> FrameErrors:
+def frame_errors(state: Array, reading: Reading, schema: Schema) -> FrameErrors:
     """Measure how far the block is from the target in every frame.
 
     Parameters
@@ -42,12 +42,12 @@ def frame_errors(state: NDArray[np.generic], reading: Reading, schema: Schema) -
     return FrameErrors(pos_err, ang_err)
 
 
-def in_tolerance(errors: FrameErrors, reading: Reading) -> NDArray[np.bool_]:
+def in_tolerance(errors: FrameErrors, reading: Reading) -> Bools:
     """Tell for every frame whether both errors are within the reading's tolerances, bool[n_frames]."""
     return (errors.pos_err <= reading.pos_tol) & (errors.ang_err <= reading.ang_tol)
 
 
-def episode_reached(state: NDArray[np.generic], reading: Reading, schema: Schema) -> bool:
+def episode_reached(state: Array, reading: Reading, schema: Schema) -> bool:
     """Tell whether an episode reached the target: its decisive frame, the last stored one, is in tolerance.
 
     Parameters

@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
-from numpy.typing import NDArray
 
+from z2r.arrays import Array, Floats, Ints
 from z2r.format.dataset import Dataset
 from z2r.format.episodes import EpisodeIndex
 from z2r.format.schema import ACTION, STATE, Schema
@@ -53,7 +53,7 @@ class _Recorder:
     def static(self, entity: str, *components: rr.AsComponents) -> None:
         self.stream.log(entity, *components, static=True)
 
-    def columns(self, entity: str, columns: rr.ComponentColumnList, frames: NDArray[np.int64] | None = None) -> None:
+    def columns(self, entity: str, columns: rr.ComponentColumnList, frames: Ints | None = None) -> None:
         frames = np.arange(self.n_frames) if frames is None else frames
         time = [rr.TimeColumn("sim_time", duration=frames / self.fps), rr.TimeColumn("frame", sequence=frames)]
         self.stream.send_columns(entity, indexes=time, columns=columns)
@@ -85,7 +85,7 @@ def write_replay(dataset: Dataset, path: Path, reading: Reading | None, max_fram
     schema = dataset.schema
     ends = np.cumsum(dataset.episodes.lengths)
     n_frames = _frames_to_show(ends, max_frames)
-    frames = dataset.episodes.frames[:n_frames]
+    frames = dataset.episodes.frame_numbers[:n_frames]
     starts = (ends - dataset.episodes.lengths)[: np.searchsorted(ends, n_frames) + 1]
     features = [feature for feature in (STATE, ACTION) if feature in schema.signals()]
     values = {feature: _up_to(dataset, int(frames.max()) + 1).read(feature)[frames] for feature in features}
@@ -104,7 +104,7 @@ def write_replay(dataset: Dataset, path: Path, reading: Reading | None, max_fram
     return Replay(path, n_frames, len(starts))
 
 
-def _frames_to_show(ends: NDArray[np.int64], max_frames: int) -> int:
+def _frames_to_show(ends: Ints, max_frames: int) -> int:
     whole = ends[ends <= max_frames]
     return int(whole[-1]) if len(whole) else max_frames
 
@@ -115,14 +115,12 @@ def _up_to(dataset: Dataset, n_frames: int) -> Dataset:
     return replace(dataset, episodes=episodes, files=tuple(f for f in dataset.files if f.from_index < n_frames))
 
 
-def _send_feature(recorder: _Recorder, entity: str, values: NDArray[np.generic], names: tuple[str, ...]) -> None:
+def _send_feature(recorder: _Recorder, entity: str, values: Array, names: tuple[str, ...]) -> None:
     recorder.static(entity, rr.SeriesLines(names=names or [f"[{i}]" for i in range(values.shape[1])]))
     recorder.columns(entity, rr.Scalars.columns(scalars=values))
 
 
-def _send_world(
-    recorder: _Recorder, state: NDArray[np.generic], reading: Reading, schema: Schema, starts: NDArray[np.int64]
-) -> None:
+def _send_world(recorder: _Recorder, state: Array, reading: Reading, schema: Schema, starts: Ints) -> None:
     columns = named_columns(state, reading, schema)
     tee, target = read_pose(columns, reading.tee), read_pose(columns, reading.target)
     pusher_x, pusher_y = (columns[name] for name in reading.pusher)
@@ -150,9 +148,9 @@ def _send_world(
 def _send_path(
     recorder: _Recorder,
     entity: str,
-    points: NDArray[np.float64],
+    points: Floats,
     color: tuple[int, int, int],
-    starts: NDArray[np.int64],
+    starts: Ints,
 ) -> None:
     """Show the whole path of an episode from its first frame on; without boundaries, one path leaps between them."""
     strips = np.split(points, starts[1:])
@@ -160,7 +158,7 @@ def _send_path(
     recorder.columns(entity, rr.LineStrips3D.columns(strips=strips), frames=starts)
 
 
-def _send_errors(recorder: _Recorder, state: NDArray[np.generic], reading: Reading, schema: Schema) -> None:
+def _send_errors(recorder: _Recorder, state: Array, reading: Reading, schema: Schema) -> None:
     errors = frame_errors(state, reading, schema)
     for name, values, tolerance, unit in (
         ("pos_err", errors.pos_err, reading.pos_tol, "m"),
@@ -195,11 +193,11 @@ def _first_transform(pose: Pose) -> rr.Transform3D:
     )
 
 
-def _points(x: NDArray[np.float64], y: NDArray[np.float64], z: float) -> NDArray[np.float64]:
+def _points(x: Floats, y: Floats, z: float) -> Floats:
     return np.stack([x, y, np.full_like(x, z)], axis=1)
 
 
-def yaw_quaternions(yaw: NDArray[np.float64]) -> NDArray[np.float64]:
+def yaw_quaternions(yaw: Floats) -> Floats:
     """Turn yaws about the vertical axis into quaternions.
 
     Parameters

@@ -9,11 +9,11 @@ Whatever comes from the dataset is data: it is escaped, and a content security p
 
 import base64
 import os
-from collections.abc import Callable
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 
+from z2r.arrays import Progress, no_progress
 from z2r.format.dataset import Dataset
 from z2r.show.page.content import read_content
 from z2r.show.page.markup import render
@@ -80,9 +80,7 @@ class Panel:
         )
 
 
-def write_report(
-    dataset: Dataset, path: str | os.PathLike[str], progress: Callable[[int, int], None] = lambda done, total: None
-) -> Report:
+def write_report(dataset: Dataset, path: str | os.PathLike[str], progress: Progress = no_progress) -> Report:
     """Write a page that shows a dataset.
 
     Parameters

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+
+from z2r.arrays import Floats
 
 NOT_ATTEMPTED = "not attempted yet"
 NOT_YET = "not yet"
@@ -57,7 +58,7 @@ def judge_function(
     cases: Sequence[Case],
     hint: str,
     untouched: Callable[..., Any] | None = None,
-    special_hint: Callable[[NDArray[np.float64], NDArray[np.float64]], str | None] | None = None,
+    special_hint: Callable[[Floats, Floats], str | None] | None = None,
 ) -> Case | None:
     """Try a learner's function on every case, and say what was expected and what it gave.
 
@@ -103,7 +104,7 @@ def _hint_about(
     got: object,
     expected: object,
     hint: str,
-    special_hint: Callable[[NDArray[np.float64], NDArray[np.float64]], str | None] | None,
+    special_hint: Callable[[Floats, Floats], str | None] | None,
 ) -> str:
     try:
         found, wanted = np.asarray(got, dtype=float), np.asarray(expected, dtype=float)

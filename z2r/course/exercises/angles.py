@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from z2r.arrays import Floats
 from z2r.course import figures
 from z2r.course.exercises._core import NOT_YET, Case, judge_function, judge_prediction
 from z2r.reading.angles import decode_yaw, wrap_angle
@@ -115,12 +115,14 @@ def _stored(degrees: float) -> tuple[float, float]:
     return float(np.sin(yaw)), float(np.cos(yaw))
 
 
-def _turn(before: float, after: float) -> NDArray[np.float64]:
-    return np.abs(wrap_angle(after - before))
+def _turn(before: float, after: float) -> Floats:
+    turn: Floats = np.abs(wrap_angle(after - before))
+    return turn
 
 
-def _turn_as_handed_out(before: float, after: float) -> NDArray[np.float64]:
-    return np.abs(wrap_angle(after) - wrap_angle(before))
+def _turn_as_handed_out(before: float, after: float) -> Floats:
+    turn: Floats = np.abs(wrap_angle(after) - wrap_angle(before))
+    return turn
 
 
 def _draw(expected: float, got: object) -> Figure | None:

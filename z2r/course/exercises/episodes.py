@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from z2r.arrays import Ints
 from z2r.course import figures
 from z2r.course.exercises._core import NOT_YET, Case, judge_function, judge_prediction
 from z2r.data import MESSY, STANDIN
@@ -97,7 +97,7 @@ def check_without_index(prediction: tuple[int, float] | None, dataset: Dataset) 
     judge_prediction(prediction, (len(wrong.episodes), wrong.outcome.success_rate), why)
 
 
-def _cut(frames: NDArray[np.int64], index: EpisodeIndex, episode: int) -> NDArray[np.int64]:
+def _cut(frames: Ints, index: EpisodeIndex, episode: int) -> Ints:
     return frames[index[episode]]
 
 

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from z2r.arrays import Floats
 from z2r.audits.audit import audit
 from z2r.course import figures
 from z2r.course.damage import delay_actions, shift_ranges, swap_sine_and_cosine
@@ -31,8 +31,6 @@ SUSPECTS = {
     "actions-one-frame-late": "the motion after a frame fits the action that is stored one frame later",
     "actions-one-frame-early": "the motion after a frame fits the action that is stored one frame earlier",
 }
-
-type _Array = NDArray[np.float64]
 
 
 class _Damaged(NamedTuple):
@@ -140,22 +138,22 @@ def check_match(function: Callable[..., Any]) -> Figure | None:
     return None if wrong is None else figures.action_and_motion(wrong.args[0], wrong.args[1], dataset.schema.fps)
 
 
-def _block(dataset: Dataset) -> tuple[_Array, _Array, EpisodeIndex]:
+def _block(dataset: Dataset) -> tuple[Floats, Floats, EpisodeIndex]:
     tee = read_pose(named_columns(dataset.read(STATE), PUSHT, dataset.schema), PUSHT.tee)
     return tee.x, tee.y, dataset.episodes
 
 
-def _longest_steps(x: _Array, y: _Array, episodes: EpisodeIndex) -> list[float]:
+def _longest_steps(x: Floats, y: Floats, episodes: EpisodeIndex) -> list[float]:
     parts = [episodes[i] for i in range(len(episodes))]
     return [float(np.hypot(np.diff(x[part]), np.diff(y[part])).max()) for part in parts]
 
 
-def _longest_steps_as_handed_out(x: _Array, y: _Array, episodes: EpisodeIndex) -> list[float]:
+def _longest_steps_as_handed_out(x: Floats, y: Floats, episodes: EpisodeIndex) -> list[float]:
     steps = np.hypot(np.diff(x), np.diff(y))
     return [float(steps[start:stop].max()) for start, stop in zip(episodes.from_index, episodes.to_index, strict=True)]
 
 
-def _motion(dataset: Dataset, episode: int) -> tuple[_Array, _Array]:
+def _motion(dataset: Dataset, episode: int) -> tuple[Floats, Floats]:
     """Return the action along x in each frame of an episode, and the velocity from each frame to the next."""
     part = dataset.episodes[episode]
     x = named_columns(dataset.read(STATE)[part], PUSHT, dataset.schema)[PUSHT.pusher[0]]
@@ -163,7 +161,7 @@ def _motion(dataset: Dataset, episode: int) -> tuple[_Array, _Array]:
     return dataset.read(ACTION)[part][:, place].astype(np.float64), np.diff(x) * dataset.schema.fps
 
 
-def _match(action: _Array, velocity: _Array, shift: int) -> float:
+def _match(action: Floats, velocity: Floats, shift: int) -> float:
     later = action[shift:][: len(velocity)]
     return float(np.corrcoef(later, velocity[: len(later)])[0, 1])
 

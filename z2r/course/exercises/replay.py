@@ -4,8 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from z2r.arrays import Floats
 from z2r.course import figures
 from z2r.course.exercises._core import NOT_YET, Case, judge_function, judge_prediction
 from z2r.data import STANDIN
@@ -40,7 +40,7 @@ def predict_same_rows(prediction: str | None) -> Figure | None:
     wrong = break_mode("yaw-swap").reading(PUSHT)
     state = dataset.read(PUSHT.feature)[dataset.episodes[1]]
 
-    def block(reading: Reading) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def block(reading: Reading) -> tuple[Floats, Floats]:
         pose = read_pose(named_columns(state, reading, dataset.schema), reading.tee)
         return np.stack([pose.x, pose.y]), pose.yaw
 
@@ -91,8 +91,8 @@ def check_quaternion(function: Callable[[float], object]) -> Figure | None:
         return None
 
 
-def _quaternion(yaw: float) -> NDArray[np.float64]:
-    quaternion: NDArray[np.float64] = yaw_quaternions(np.array([yaw]))[0]
+def _quaternion(yaw: float) -> Floats:
+    quaternion: Floats = yaw_quaternions(np.array([yaw]))[0]
     return quaternion
 
 
@@ -104,5 +104,5 @@ def _begins_with_w(function: Callable[[float], object]) -> bool:
     return numbers.shape == (4,) and bool(numbers[0]) and not numbers[1:3].any()
 
 
-def _quaternion_as_handed_out(yaw: float) -> NDArray[np.float64]:
+def _quaternion_as_handed_out(yaw: float) -> Floats:
     return np.array([0.0, 0.0, np.sin(yaw), np.cos(yaw)])

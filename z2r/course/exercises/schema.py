@@ -6,16 +6,14 @@ from typing import Any
 import msgspec
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from z2r.arrays import Array
 from z2r.course import figures
 from z2r.course.exercises._core import Case, judge_function, judge_prediction
 from z2r.data import STANDIN
 from z2r.format.dataset import load
 from z2r.format.schema import ACTION, BOOKKEEPING, STATE, Schema
 from z2r.reading.reading import PUSHT, named_columns, read_pose
-
-type _State = NDArray[np.generic]
 
 _EVERY = 30  # frames: few enough rows that an answer can be printed, and the block has moved between them
 
@@ -90,8 +88,8 @@ def check_block_position(function: Callable[..., Any]) -> Figure | None:
     return figures.two_poses((float(tee.x[0]), float(tee.y[0]), yaw), (got[0], got[1], yaw), label="your block")
 
 
-def _values_of(state: _State, schema: Schema, name: str) -> _State:
-    values: _State = state[:, schema.columns(STATE, [name])[0]]
+def _values_of(state: Array, schema: Schema, name: str) -> Array:
+    values: Array = state[:, schema.columns(STATE, [name])[0]]
     return values
 
 
@@ -105,13 +103,13 @@ def _as_positions(answer: object) -> tuple[float, float] | None:
     return float(positions[0, 0]), float(positions[0, 1])
 
 
-def _datasets() -> list[tuple[str, _State, Schema]]:
+def _datasets() -> list[tuple[str, Array, Schema]]:
     """Return some frames of the shipped dataset, and the same with their columns in other places."""
     dataset = load(STANDIN).first(1)
     state, schema = dataset.read(STATE)[::_EVERY], dataset.schema
     names = schema.features[STATE].dim_names
     shuffled = np.random.default_rng(0).permutation(len(names))
-    clock = np.arange(len(state), dtype=state.dtype)[:, np.newaxis] * _EVERY / schema.fps
+    clock = (np.arange(len(state), dtype=np.float32) * np.float32(_EVERY / schema.fps))[:, np.newaxis]
     return [
         ("this dataset", state, schema),
         (

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from z2r.arrays import Array, Floats
 from z2r.course import figures
 from z2r.course.exercises._core import Case, judge_function, judge_prediction
 from z2r.data import MESSY, STANDIN
@@ -21,7 +21,6 @@ from z2r.reading.success import FrameErrors, frame_errors, in_tolerance
 _LOOSER_POS_TOL = 0.04  # m
 _OTHER_TARGET = {"target_x": 0.1, "target_y": -0.05, "sin_target_yaw": 0.28, "cos_target_yaw": -0.96}
 
-type _Array = NDArray[np.float64]
 type _Frame = dict[str, float]
 
 
@@ -58,7 +57,7 @@ def check_frame_errors(function: Callable[..., Any]) -> None:
         The learner's: takes the columns of one frame by name, returns `pos_err` [m] and `ang_err` [rad].
     """
 
-    def measure(frame: _Frame) -> _Array:
+    def measure(frame: _Frame) -> Floats:
         pos_err, ang_err = function(frame)
         return np.array([float(pos_err), float(ang_err)])
 
@@ -76,7 +75,7 @@ def check_frame_errors(function: Callable[..., Any]) -> None:
     )
 
 
-def _hint_about_the_angle(got: _Array, expected: _Array) -> str | None:
+def _hint_about_the_angle(got: Floats, expected: Floats) -> str | None:
     if got.shape != expected.shape or not np.isclose(got[0], expected[0]):
         return None
     if not np.isclose(abs(wrap_angle(got[1])), expected[1]):
@@ -100,7 +99,7 @@ def check_episode_reached(function: Callable[..., Any]) -> Figure | None:
         The errors of the first episode that was judged wrong, and the tolerances.
     """
 
-    def judge(pos_err: _Array, ang_err: _Array) -> object:
+    def judge(pos_err: Floats, ang_err: Floats) -> object:
         answer = function(pos_err, ang_err)
         return answer if np.ndim(answer) == 0 else f"{np.size(answer)} values"
 
@@ -121,7 +120,7 @@ def check_episode_reached(function: Callable[..., Any]) -> Figure | None:
 
 
 @cache
-def _read(root: Path) -> tuple[Dataset, NDArray[np.generic]]:
+def _read(root: Path) -> tuple[Dataset, Array]:
     dataset = load(root)
     return dataset, dataset.read(PUSHT.feature)
 
@@ -138,18 +137,18 @@ def _frame(root: Path, episode: int, number: int) -> _Frame:
     return {name: float(values[number]) for name, values in columns.items()}
 
 
-def _both_errors(frame: _Frame) -> _Array:
+def _both_errors(frame: _Frame) -> Floats:
     dataset, _ = _read(STANDIN)
     state = np.array([[frame[name] for name in dataset.schema.features[PUSHT.feature].dim_names]])
     return np.concatenate(frame_errors(state, PUSHT, dataset.schema))
 
 
-def _errors_as_handed_out(frame: _Frame) -> _Array:
+def _errors_as_handed_out(frame: _Frame) -> Floats:
     distance = np.hypot(frame["tee_x"] - frame["pusher_x"], frame["tee_y"] - frame["pusher_y"])
     tee_yaw = decode_yaw(frame["sin_tee_yaw"], frame["cos_tee_yaw"])
     target_yaw = decode_yaw(frame["sin_target_yaw"], frame["cos_target_yaw"])
     return np.array([distance, np.abs(wrap_angle(tee_yaw - target_yaw))])
 
 
-def _reached(pos_err: _Array, ang_err: _Array) -> bool:
+def _reached(pos_err: Floats, ang_err: Floats) -> bool:
     return bool(in_tolerance(FrameErrors(pos_err, ang_err), PUSHT)[-1])

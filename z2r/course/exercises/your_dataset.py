@@ -8,8 +8,8 @@ from pathlib import Path
 import msgspec
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from z2r.arrays import Array, Floats
 from z2r.course import figures
 from z2r.course.exercises._core import Case, judge_function, judge_prediction
 from z2r.data import MESSY, STANDIN
@@ -39,7 +39,7 @@ def predict_other_robot(prediction: str | None) -> None:
     judge_prediction(said, truth, why)
 
 
-def check_never_moves(function: Callable[[NDArray[np.generic]], object]) -> None:
+def check_never_moves(function: Callable[[Array], object]) -> None:
     """Try a function that tells which dimensions of a feature have one and the same value in every frame.
 
     Parameters
@@ -59,7 +59,7 @@ def check_never_moves(function: Callable[[NDArray[np.generic]], object]) -> None
     judge_function(function, lambda values: values.min(axis=0) == values.max(axis=0), cases, hint)
 
 
-def check_column_mean(function: Callable[[NDArray[np.float64], EpisodeIndex], object]) -> Figure | None:
+def check_column_mean(function: Callable[[Floats, EpisodeIndex], object]) -> Figure | None:
     """Try a function that takes the mean of a column over all frames of a dataset.
 
     Parameters
@@ -86,7 +86,7 @@ def check_column_mean(function: Callable[[NDArray[np.float64], EpisodeIndex], ob
     return None if wrong is None else figures.episode_ribbon(wrong.args[1])
 
 
-def _column_mean_as_handed_out(values: NDArray[np.float64], episodes: EpisodeIndex) -> float:
+def _column_mean_as_handed_out(values: Floats, episodes: EpisodeIndex) -> float:
     return float(np.mean([values[episodes[i]].mean() for i in range(len(episodes))]))
 
 

@@ -20,6 +20,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from z2r.arrays import Floats
 from z2r.pusht.task import (
     ANG_TOL,
     BAR_CENTER,
@@ -35,7 +36,7 @@ from z2r.pusht.task import (
 )
 from z2r.reading.angles import decode_yaw, wrap_angle
 
-Array = NDArray[np.float64]
+Array = Floats
 Phase = Literal["approach", "shove", "correct", "hold"]
 
 BLOCK_RADIUS = 0.05  # m: R above, the root of yaw damping over slide damping in the simulator

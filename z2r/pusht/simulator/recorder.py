@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from z2r.arrays import Progress, no_progress
 from z2r.errors import MissingExtraError
 from z2r.format.schema import ACTION, STATE
 from z2r.pusht.task import ACTION_LIMIT, ACTION_NAMES, CONTROL_HZ, DEMO_NOISE, MAX_STEPS, STATE_NAMES, TASK
@@ -31,7 +32,7 @@ def record(
     seeds: Sequence[int],
     noise: float = DEMO_NOISE,
     max_steps: int = MAX_STEPS,
-    progress: Callable[[int, int], None] = lambda done, total: None,
+    progress: Progress = no_progress,
 ) -> Recording:
     """Record one episode for each seed as a LeRobot v3 dataset, and the simulator's verdict beside it.
 

@@ -1,15 +1,15 @@
 """What goes into a page: the summary, the readings, and the frames that it has room for."""
 
 import base64
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from z2r.arrays import Array, Columns, Progress, no_progress
 from z2r.errors import printable
-from z2r.format.dataset import Dataset, Frames, map_files
+from z2r.format.dataset import Dataset, map_files
 from z2r.format.episodes import DataFile, EpisodeIndex
 from z2r.format.schema import ACTION, Feature
 from z2r.reading.breaks import BreakMode, break_mode
@@ -52,7 +52,7 @@ class Content:
     inspection: Inspection
     views: list[View]
     shown: EpisodeIndex
-    frames: Frames
+    frames: Columns
     left_out: str
 
     @property
@@ -72,9 +72,7 @@ def formula(pose: PoseColumns) -> str:
     return f"atan2({pose.sin_yaw}, {pose.cos_yaw})"
 
 
-def read_content(
-    dataset: Dataset, max_bytes: int, progress: Callable[[int, int], None] = lambda done, total: None
-) -> Content:
+def read_content(dataset: Dataset, max_bytes: int, progress: Progress = no_progress) -> Content:
     """Read a dataset, and keep as many frames of its first episodes as fit.
 
     Parameters
@@ -99,7 +97,7 @@ def read_content(
     shown = _episodes_to_show(views[0].episodes, max(max_bytes // max(dtype_size * n_columns, 1), 1))
     beginning = dataset.first(len(shown))
     parts = map_files(beginning, features, lambda _, frames: frames)
-    rows = beginning.episodes.frames[: shown.n_frames]
+    rows = beginning.episodes.frame_numbers[: shown.n_frames]
     return Content(
         title=printable(dataset.root.resolve().name),
         inspection=inspection,
@@ -152,18 +150,18 @@ def _views(dataset: Dataset, inspection: Inspection) -> list[View]:
     return [right, *(_wrong_view(packed, inspection.reading, break_mode(name), last) for name in WRONG_READINGS)]
 
 
-def _last_frames(dataset: Dataset, feature: str) -> NDArray[np.generic]:
+def _last_frames(dataset: Dataset, feature: str) -> Array:
     """Read the last frame of every episode, (n_episodes, size of the feature)."""
     ends = dataset.episodes.to_index - 1
 
-    def fold(file: DataFile, frames: Frames) -> NDArray[np.generic]:
+    def fold(file: DataFile, frames: Columns) -> Array:
         here = (ends >= file.from_index) & (ends < file.to_index)
         return frames[feature][ends[here] - file.from_index]
 
     return np.concatenate(map_files(dataset, [feature], fold))
 
 
-def _wrong_view(dataset: Dataset, right: Reading, mode: BreakMode, last: NDArray[np.generic]) -> View:
+def _wrong_view(dataset: Dataset, right: Reading, mode: BreakMode, last: Array) -> View:
     reading, episodes = mode.reading(right), mode.dataset(dataset).episodes
     ends = np.searchsorted(dataset.episodes.to_index, episodes.to_index)
     errors = frame_errors(last[ends], reading, dataset.schema)

@@ -5,8 +5,8 @@ from pathlib import Path
 from string import Template
 
 import numpy as np
-from numpy.typing import NDArray
 
+from z2r.arrays import Floats
 from z2r.pusht import task
 from z2r.reading.inspection import Inspection
 from z2r.reading.reading import Pose, Reading, named_columns, read_pose
@@ -16,8 +16,6 @@ _FOLDER = Path(__file__).parent
 _MAX_SEGMENTS = 240  # of the ribbon: about as many as can be told apart
 _LABEL_PERCENT = 4  # of the ribbon: a number has room under a wider segment
 _TEE_REACH = task.STEM_HALF_SIZE[1] - task.STEM_CENTER[1]  # m: from the origin of the block to the end of its stem
-
-type _Array = NDArray[np.float64]
 
 
 def fill(template: str, /, **parts: str) -> str:
@@ -107,5 +105,5 @@ def _transform(pose: Pose) -> str:
     return f"translate({pose.x[-1]:.6g} {pose.y[-1]:.6g}) rotate({np.rad2deg(pose.yaw[-1]):.6g})"
 
 
-def _points(x: _Array, y: _Array) -> str:
+def _points(x: Floats, y: Floats) -> str:
     return " ".join(f"{a:.4g},{b:.4g}" for a, b in zip(x.tolist(), y.tolist(), strict=True))

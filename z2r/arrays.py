@@ -1,0 +1,52 @@
+"""What passes from hand to hand: the types of arrays, and the reductions that all parts of the package use.
+
+Shapes stand beside the algebra: ``float64[n_frames, 2]`` in a docstring, ``# (n, 2)`` at the end of a line.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+type Ints = NDArray[np.int64]
+type Floats = NDArray[np.float64]
+type Bools = NDArray[np.bool_]
+type Array = NDArray[np.generic]
+
+type Columns = dict[str, Array]
+"""Features by name, each (n_frames, size of the feature), of the dtype in the file."""
+
+type Progress = Callable[[int, int], None]
+"""Called with how much is done and how much there is."""
+
+
+def no_progress(done: int, total: int) -> None:
+    """Show no progress."""
+
+
+def reduce_parts[T: np.generic](function: np.ufunc, values: NDArray[T], starts: Ints, stops: Ints) -> NDArray[T]:
+    """Reduce parts of an array, which may overlap or leave gaps.
+
+    Parameters
+    ----------
+    function : ufunc
+        Such as ``np.minimum``: what comes of a value that it is given twice must be the same.
+    values : ndarray, (n_rows, size)
+        The whole.
+    starts, stops : ndarray, int64[n_parts]
+        First row, and one past the last row, of each part; none is empty.
+
+    Returns
+    -------
+    ndarray, (n_parts, size)
+
+    Examples
+    --------
+    >>> values = np.array([[5], [3], [8], [1]])
+    >>> reduce_parts(np.minimum, values, starts=np.array([0, 1]), stops=np.array([3, 4])).ravel()
+    array([3, 1])
+    """
+    # reduceat wants the parts as pairs of rows that are in the array: the last row of each comes in by itself.
+    pairs = np.stack([starts, np.minimum(stops, len(values) - 1)], axis=1).ravel()
+    parts: NDArray[T] = function(function.reduceat(values, pairs, axis=0)[::2], values[stops - 1])
+    return parts
