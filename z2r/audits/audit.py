@@ -26,8 +26,9 @@ from z2r.format.parquet import open_parquet
 from z2r.format.schema import ACTION, BOOKKEEPING, INFO_PATH, MAX_SIGNAL_SIZE, Schema, inside
 from z2r.pusht import checks as physics
 from z2r.pusht.verdict import read_verdict, verdict_path
+from z2r.pusht.world import PUSHT
 from z2r.reading.breaks import BreakMode
-from z2r.reading.reading import PUSHT, Reading
+from z2r.reading.reading import Reading
 
 MAX_OF_A_CHECK = 5  # findings in detail: a fault that is in every file would hide the others
 
@@ -309,8 +310,7 @@ def _check_names(reading: Reading, schema: Schema) -> Iterator[Finding]:
 
 
 def _fits(reading: Reading, schema: Schema) -> bool:
-    action = schema.features.get(ACTION)
-    return not reading.missing(schema) and action is not None and set(reading.velocity) <= set(action.dim_names)
+    return not reading.missing(schema) and not reading.missing_action(schema)
 
 
 def _not_checked(root: Path, story: Story, parts: Sequence[_Part], reading: Reading) -> tuple[str, ...]:

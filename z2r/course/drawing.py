@@ -1,8 +1,8 @@
-"""What every figure of the course is drawn with: one style, and the world of PushT seen from above."""
+"""What is every figure of the course drawn with? One style, and the bodies of a reading seen from above."""
 
 from collections.abc import Callable, Sequence
 from functools import wraps
-from typing import Any, NamedTuple
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -14,16 +14,21 @@ from matplotlib.patches import Circle
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 
-from z2r.arrays import Array, Bools, Floats
-from z2r.format.schema import Schema
-from z2r.pusht import task
+from z2r.api import scene_of
+from z2r.arrays import Bools, Floats
 from z2r.reading.angles import wrap_angle
-from z2r.reading.reading import Pose, Reading, named_columns, read_pose
+from z2r.reading.bodies import Body, Box, Role, bodies_of
+from z2r.reading.decode import Decoded
+from z2r.reading.poses import Pose
+from z2r.reading.reading import Reading
 
 CARD, INK, GREY = "#faf9f6", "#333333", "#6f6f6f"
 BLUE, GREEN, VERMILLION = "#0072b2", "#009e73", "#d55e00"
 TEE, TARGET, PUSHER = BLUE, GREEN, VERMILLION  # as in the replay: bluish, greenish, reddish
 RIGHT, WRONG = BLUE, VERMILLION
+
+_ARROW = 0.03  # of all that is drawn: half the length of a body of which only the place is known
+_ARROWHEAD = np.array([(1.0, 0.0), (-0.7, 0.6), (-0.35, 0.0), (-0.7, -0.6)])  # points along its yaw
 
 _STYLE = {
     "figure.dpi": 80,
@@ -62,26 +67,42 @@ def new_figure(width: float, height: float) -> Figure:
     return figure
 
 
-def box(center: tuple[float, float], half_size: Sequence[float]) -> Floats:
-    """Corners of a box seen from above, (4, 2) [m]: top left, top right, bottom right, bottom left."""
-    corners = np.array([(-1, 1), (1, 1), (1, -1), (-1, -1)])
-    return np.asarray(center) + corners * half_size[:2]
-
-
-WALLS = box((0, 0), (task.WALL, task.WALL))
-
-
-def _tee() -> Floats:
-    """Outline of the T in its own frame, (8, 2) [m]: the stem hangs from the lower edge of the bar."""
-    bar, stem = box(task.BAR_CENTER, task.BAR_HALF_SIZE), box(task.STEM_CENTER, task.STEM_HALF_SIZE)
-    return np.concatenate([bar[:3], stem[1:3], stem[3:], stem[:1], bar[3:]])
-
-
-def tee_outlines(pose: Pose, size: float = 1.0) -> Floats:
-    """Outline of the T at each pose, (n, 8, 2) [m]: turned counter-clockwise by the yaw, then moved."""
-    x, y = size * _tee().T
-    points = (pose.x + 1j * pose.y)[:, None] + np.exp(1j * pose.yaw)[:, None] * (x + 1j * y)
+def outlines_of(body: Body, pose: Pose, size: float = 1.0) -> Floats:
+    """Outline of a body at each pose, (n, corners, 2): turned counter-clockwise by the yaw, then moved."""
+    x, y = size * body.outline.T
+    yaw = np.zeros_like(pose.x) if pose.yaw is None else pose.yaw
+    points = (pose.x + 1j * pose.y)[:, None] + np.exp(1j * yaw)[:, None] * (x + 1j * y)  # (n, corners)
     return np.stack([points.real, points.imag], axis=2)
+
+
+def bodies_to_draw(decoded: Decoded) -> dict[str, Body]:
+    """Return the bodies of a reading; one of which nothing but the place is known is drawn as an arrowhead.
+
+    Raises
+    ------
+    ValueError
+        If there is no frame, or the reading has no pose.
+    """
+    if not len(decoded) or not decoded.reading.poses:
+        raise ValueError(f"found {len(decoded)} frames with {len(decoded.reading.poses)} poses, expected one at least")
+    scene = scene_of(decoded.reading)
+    places = np.concatenate([place(decoded.pose(name)) for name in decoded.reading.poses])
+    size = _ARROW * (float(np.ptp(places, axis=0).max()) or 1.0)
+
+    def drawn(body: Body) -> Body:
+        return body if body.shapes else body._replace(outline=size * _ARROWHEAD)
+
+    return {name: drawn(body) for name, body in bodies_of(decoded.reading, scene.bodies if scene else {}).items()}
+
+
+def body_of_role(bodies: dict[str, Body], role: Role) -> str | None:
+    """Return the name of the last body with a role; None where there is none."""
+    return next((name for name in reversed(bodies) if bodies[name].role == role), None)
+
+
+def place(pose: Pose) -> Floats:
+    """Return the position in every frame, seen from above, (n_frames, 2)."""
+    return np.stack([pose.x, pose.y], axis=1)
 
 
 def single_pose(x: float, y: float, yaw: float) -> Pose:
@@ -91,7 +112,7 @@ def single_pose(x: float, y: float, yaw: float) -> Pose:
 
 def select_frames(pose: Pose, chosen: Bools | list[int]) -> Pose:
     """Return the poses of some frames, chosen by a mask or by their numbers."""
-    return Pose(pose.x[chosen], pose.y[chosen], pose.yaw[chosen])
+    return Pose(pose.x[chosen], pose.y[chosen], None if pose.yaw is None else pose.yaw[chosen])
 
 
 def on_circle(angle: float, radius: float = 1.0) -> tuple[float, float]:
@@ -99,55 +120,65 @@ def on_circle(angle: float, radius: float = 1.0) -> tuple[float, float]:
     return float(radius * np.cos(angle)), float(radius * np.sin(angle))
 
 
-def draw_tees(
-    axes: Axes, pose: Pose, color: str, gid: str, strength: Sequence[float] = (1,), fill: float = 0.12, **style: Any
+def draw_bodies(
+    axes: Axes,
+    body: Body,
+    pose: Pose,
+    color: str,
+    gid: str,
+    strength: Sequence[float] = (1,),
+    fill: float = 0.12,
+    size: float = 1.0,
+    **style: Any,
 ) -> Floats:
-    """Draw the T at each pose, each as opaque as its strength, and return the outlines, (n, 8, 2) [m]."""
-    alpha = np.broadcast_to(strength, len(pose.yaw))
-    outlines = tee_outlines(pose, style.pop("size", 1.0))
+    """Draw a body at each pose, each as opaque as its strength, and return the outlines, (n, corners, 2)."""
+    alpha = np.broadcast_to(strength, len(pose.x))
+    outlines = outlines_of(body, pose, size)
     colors = [to_rgba_array([color] * len(alpha), alpha * share) for share in (1, fill)]
     axes.add_collection(PolyCollection(list(outlines), edgecolors=colors[0], facecolors=colors[1], gid=gid, **style))
     return outlines
 
 
-def draw_target(axes: Axes, pose: Pose) -> Floats:
-    """Draw the target once for each pose that it has, which is one in a PushT task; return its first outline."""
-    poses = Pose(*np.unique(np.stack(pose, axis=1).round(3), axis=0).T)
+def draw_goal(axes: Axes, body: Body, pose: Pose) -> Floats:
+    """Draw where a body is to be, once for each pose that this has; return the first outline."""
+    yaw = np.zeros_like(pose.x) if pose.yaw is None else pose.yaw
+    poses = Pose(*np.unique(np.stack([pose.x, pose.y, yaw], axis=1).round(3), axis=0).T)
     style: dict[str, Any] = {"linestyle": (0, (1.5, 1)), "linewidth": 1.8, "zorder": 2}
-    first: Floats = draw_tees(axes, poses, TARGET, "target", **style)[0]
+    first: Floats = draw_bodies(axes, body, poses, TARGET, body.label, **style)[0]
     return first
 
 
-class Scene(NamedTuple):
-    """What a reading sees: two poses, and the pusher's position, float64[n_frames, 2] [m]."""
+def draw_world(axes: Axes, decoded: Decoded, n_moments: int) -> Floats:
+    """Draw the bodies at some moments, and the path of what is moved; return its outlines, (n, corners, 2).
 
-    tee: Pose
-    target: Pose
-    pusher: Floats
-
-
-def read_scene(state: Array, reading: Reading, schema: Schema) -> Scene:
-    """Return what a reading sees in some frames, of which there must be one at least."""
-    if not len(state):
-        raise ValueError("found 0 frames, expected at least one")
-    columns = named_columns(state, reading, schema)
-    pusher = np.stack([columns[name] for name in reading.pusher], axis=1)
-    return Scene(read_pose(columns, reading.tee), read_pose(columns, reading.target), pusher)
-
-
-def draw_scene(axes: Axes, scene: Scene, n_moments: int) -> Floats:
-    """Draw target, block and pusher at some moments, and the block's path; return the block's outlines, (n, 8, 2)."""
-    moments = pick_moments(scene.tee, n_moments)
+    Of each role, the last body in the reading is drawn: what is moved, where it is to be, and what moves it.
+    """
+    bodies = bodies_to_draw(decoded)
+    goal, robot = body_of_role(bodies, "goal"), body_of_role(bodies, "robot")
+    moved = body_of_role(bodies, "object") or next(reversed(bodies))
+    pose = decoded.pose(moved)
+    moments = pick_moments(pose, bodies[moved], n_moments)
     strength = np.linspace(0.3, 1, len(moments) + 1)[1:].tolist()
-    target = draw_target(axes, scene.target)
-    outlines = draw_tees(axes, select_frames(scene.tee, moments), TEE, "block", strength, linewidth=1.5)
-    for center, alpha in zip(scene.pusher[moments], strength, strict=True):
-        # As large as it is: under a wrong reading it stands inside of the block.
-        axes.add_patch(Circle(center, task.PUSHER_RADIUS, fill=False, color=PUSHER, alpha=alpha, gid="pusher"))
-    draw_path(axes, np.stack([scene.tee.x, scene.tee.y], axis=1), TEE, "block")
-    write_beside(axes, "block starts", outlines[0], target.mean(axis=0), TEE)
-    write_beside(axes, "target", target, outlines[0].mean(axis=0), TARGET)
+    target = None if goal is None else draw_goal(axes, bodies[goal], decoded.pose(goal))
+    at_moments = select_frames(pose, moments)
+    outlines = draw_bodies(axes, bodies[moved], at_moments, TEE, bodies[moved].label, strength, linewidth=1.5)
+    if robot is not None and robot != moved:
+        _draw_robot(axes, bodies[robot], select_frames(decoded.pose(robot), moments), strength)
+    draw_path(axes, place(pose), TEE, bodies[moved].label)
+    middle = outlines[0].mean(axis=0) if target is None else target.mean(axis=0)
+    write_beside(axes, f"{bodies[moved].label} starts", outlines[0], middle, TEE)
+    if target is not None and goal is not None:
+        write_beside(axes, bodies[goal].label, target, outlines[0].mean(axis=0), TARGET)
     return outlines
+
+
+def _draw_robot(axes: Axes, body: Body, pose: Pose, strength: Sequence[float]) -> None:
+    if not body.disc:
+        draw_bodies(axes, body, pose, PUSHER, body.label, strength)
+        return
+    for center, alpha in zip(place(pose), strength, strict=True):
+        # As large as it is: under a wrong reading it stands inside of another body.
+        axes.add_patch(Circle(center, body.disc.radius, fill=False, color=PUSHER, alpha=alpha, gid=body.label))
 
 
 def draw_path(axes: Axes, path: Floats, color: str, what: str) -> None:
@@ -157,23 +188,33 @@ def draw_path(axes: Axes, path: Floats, color: str, what: str) -> None:
     axes.plot(*path[-1], "X", color=color, markersize=8, markeredgecolor=CARD, gid=f"{what} end")
 
 
-def pick_moments(tee: Pose, n_moments: int) -> list[int]:
-    """Pick frames between which the block moves about equally far, so that drawings of it do not pile up."""
-    moved = np.hypot(np.diff(tee.x), np.diff(tee.y)) + task.BAR_HALF_SIZE[0] * np.abs(wrap_angle(np.diff(tee.yaw)))
+def pick_moments(pose: Pose, body: Body, n_moments: int) -> list[int]:
+    """Pick frames between which a body moves about equally far, so that drawings of it do not pile up."""
+    moved = np.hypot(np.diff(pose.x), np.diff(pose.y))
+    if pose.yaw is not None:
+        moved += body.outline[:, 0].max() * np.abs(wrap_angle(np.diff(pose.yaw)))
     travelled = np.concatenate([[0.0], np.cumsum(moved)])
     picked = np.searchsorted(travelled, np.linspace(0, travelled[-1], n_moments)[1:-1]).tolist()
     return sorted({0, *picked, len(travelled) - 1})
 
 
-def set_frame(axes: Axes, points: Floats, margin: float, ratio: float = 0) -> None:
-    """Set equal axes in m around the points, `ratio` times as wide as high if given, and draw the walls."""
+def walls(reading: Reading) -> Floats | None:
+    """Corners of the walls that the scene of a reading has, (4, 2); None where it has none."""
+    scene = scene_of(reading)
+    return None if scene is None else Box((0.0, 0.0), (scene.half_width, scene.half_width, 0.0)).corners
+
+
+def set_frame(axes: Axes, reading: Reading, points: Floats, margin: float, ratio: float = 0) -> None:
+    """Set equal axes around the points, `ratio` times as wide as high if given, and draw the walls, if any."""
     low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
     width, height = high - low
     half = np.array([max(width, ratio * height), max(height, width / ratio if ratio else 0)]) / 2
     (left, bottom), (right, top) = (low + high) / 2 - half, (low + high) / 2 + half
-    walls = np.append(WALLS, WALLS[:1], axis=0)
-    axes.plot(*walls.T, color=GREY, linewidth=2, gid="walls")
-    axes.set(aspect="equal", xlabel="x [m]", ylabel="y [m]", xlim=(left, right), ylim=(bottom, top))
+    corners = walls(reading)
+    if corners is not None:
+        axes.plot(*np.append(corners, corners[:1], axis=0).T, color=GREY, linewidth=2, gid="walls")
+    unit = next(iter(reading.poses.values())).unit
+    axes.set(aspect="equal", xlabel=f"x [{unit}]", ylabel=f"y [{unit}]", xlim=(left, right), ylim=(bottom, top))
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
 

@@ -3,20 +3,20 @@
 import os
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
+from z2r.api import audit, choose_reading, inspect_dataset, load
 from z2r.arrays import Floats, Ints
-from z2r.audits.audit import audit
-from z2r.format.dataset import Dataset, load
-from z2r.format.schema import ACTION
+from z2r.format.dataset import Dataset
 from z2r.reading.breaks import BREAK_MODES, BreakMode
-from z2r.reading.inspection import Outcome, inspect_dataset
-from z2r.reading.reading import PUSHT, Reading, named_columns, read_pose
+from z2r.reading.decode import decode, features_of
+from z2r.reading.inspection import Outcome
+from z2r.reading.poses import Pose
+from z2r.reading.reading import Reading
 
 _DIGITS = 6  # of an error: what float32 leaves behind is no change
-
-type _Drawn = tuple[Ints, Floats, Floats]
 
 
 @dataclass(frozen=True)
@@ -31,8 +31,8 @@ class Change:
         How many episodes are gone; of how many that are left the length is another, or what is said of the target.
     n_episodes, n_reached : int
         How many episodes there are, and how many are read as reached.
-    pos_err, ang_err : float
-        The largest change of a final error among those that are left [m], [rad].
+    errors : dict of str to float
+        The largest change of each final error among those that are left, in the unit of its goal.
     picture, action : float
         The share of the frames in which a body is drawn elsewhere, or which are given another action, in [0, 1]. A
         frame that is missing, or that has no place in its episode, counts.
@@ -48,8 +48,7 @@ class Change:
     reached: int
     n_episodes: int
     n_reached: int
-    pos_err: float
-    ang_err: float
+    errors: dict[str, float]
     picture: float
     action: float
     speed: float
@@ -58,19 +57,33 @@ class Change:
     @property
     def is_dormant(self) -> bool:
         """Whether the mistake changes nothing in this dataset: it waits for one in which it does."""
-        counts = self.missing, self.lengths, self.reached, self.pos_err, self.ang_err, self.picture, self.action
+        counts = self.missing, self.lengths, self.reached, self.picture, self.action, *self.errors.values()
         return not any(counts) and self.speed == 1
 
 
-def what_changes(root: str | os.PathLike[str], modes: Iterable[BreakMode] = BREAK_MODES.values()) -> list[Change]:
-    """Read a dataset of the PushT task in every wrong way, and say of each what it changes.
+class _Drawn(NamedTuple):
+    """Of every frame: its place in its episode, where the bodies are drawn, and its action; a row for each."""
+
+    places: Ints
+    bodies: Floats
+    action: Floats
+
+
+def what_changes(
+    dataset: str | os.PathLike[str],
+    modes: Iterable[BreakMode] = BREAK_MODES.values(),
+    reading: Reading | None = None,
+) -> list[Change]:
+    """Read a dataset in every wrong way, and say of each what it changes.
 
     Parameters
     ----------
-    root : str or path
-        The folder. Its frames are in memory at once.
+    dataset : str or path
+        The folder, or the name of a dataset that ships. Its frames are in memory at once.
     modes : iterable of BreakMode, optional
-        All unless given.
+        All unless given; one that is about something that the reading does not have changes nothing.
+    reading : Reading, optional
+        What the columns mean; the one that ships and fits, unless given.
 
     Returns
     -------
@@ -80,7 +93,7 @@ def what_changes(root: str | os.PathLike[str], modes: Iterable[BreakMode] = BREA
     Raises
     ------
     ValueError
-        If it has not the columns of the PushT task.
+        If no reading fits, or the one that does has no goal.
 
     Examples
     --------
@@ -89,21 +102,26 @@ def what_changes(root: str | os.PathLike[str], modes: Iterable[BreakMode] = BREA
     >>> change.reached, change.picture, change.checks
     (0, 1.0, ('overlap',))
     """
-    dataset = load(root)
-    right = inspect_dataset(dataset)
-    if right.outcome is None:
-        raise ValueError(f"found a dataset without {', '.join(right.missing)}, expected one of the PushT task")
-    known = {finding.check for finding in audit(root).findings}
-    frames = _frames(dataset, PUSHT)
-    return [_compare(dataset, mode, right.outcome, frames, known) for mode in modes]
+    whole = load(dataset)
+    reading = reading or choose_reading(whole.schema)
+    right = inspect_dataset(whole, reading=reading)
+    if reading is None or right.outcome is None:
+        lacking = ", ".join(right.missing) or "a goal"
+        raise ValueError(f"found no {lacking}, expected a reading that fits the dataset and has a goal")
+    known = {finding.check for finding in audit(whole, reading=reading).findings}
+    drawn = _drawn(whole, reading)
+    return [_compare(whole, mode, reading, right.outcome, drawn, known) for mode in modes]
 
 
-def _compare(dataset: Dataset, mode: BreakMode, right: Outcome, frames: _Drawn, known: set[str]) -> Change:
-    believed, wrong = mode.dataset(dataset), inspect_dataset(dataset, mode)
+def _compare(
+    dataset: Dataset, mode: BreakMode, reading: Reading, right: Outcome, drawn: _Drawn, known: set[str]
+) -> Change:
+    believed, wrong = mode.dataset(dataset), inspect_dataset(dataset, mode, reading)
     assert wrong.outcome is not None  # every mode reads columns that the right reading reads
     index, left = wrong.episodes, wrong.episodes.numbers
-    places, bodies, action = _frames(believed, mode.reading(PUSHT))
-    checks = [finding.check for finding in audit(dataset.root, mode).findings]
+    as_believed = _drawn(believed, mode.reading(reading))
+    checks = [finding.check for finding in audit(dataset, mode, reading).findings]
+    finals = wrong.outcome.final_errors
     return Change(
         name=mode.name,
         missing=len(dataset.episodes) - len(left),
@@ -111,26 +129,32 @@ def _compare(dataset: Dataset, mode: BreakMode, right: Outcome, frames: _Drawn, 
         reached=int((right.reached[left] != wrong.outcome.reached).sum()),
         n_episodes=len(index),
         n_reached=wrong.outcome.n_reached,
-        pos_err=_largest(right.final_pos_err[left] - wrong.outcome.final_pos_err),
-        ang_err=_largest(right.final_ang_err[left] - wrong.outcome.final_ang_err),
-        picture=_share_that_differs(frames[0], frames[1], places, bodies),
-        action=_share_that_differs(frames[0], frames[2], places, action),
+        errors={name: _largest(errors[left] - finals[name]) for name, errors in right.final_errors.items()},
+        picture=_share_that_differs(drawn.places, drawn.bodies, as_believed.places, as_believed.bodies),
+        action=_share_that_differs(drawn.places, drawn.action, as_believed.places, as_believed.action),
         speed=believed.schema.fps / dataset.schema.fps,
         checks=tuple(check for check in dict.fromkeys(checks) if check not in known),
     )
 
 
-def _frames(dataset: Dataset, reading: Reading) -> _Drawn:
-    """Of every frame: its place in its episode, where the bodies are drawn, and its action; a row for each."""
+def _drawn(dataset: Dataset, reading: Reading) -> _Drawn:
     index, frames = dataset.episodes, dataset.episodes.frame_numbers
     places = np.repeat((index.numbers << 32) - index.from_index, index.lengths) + frames
-    columns = named_columns(dataset.read(reading.feature)[frames], reading, dataset.schema)
-    poses = [read_pose(columns, pose) for pose in (reading.tee, reading.target)]
-    drawn = [part for pose in poses for part in (pose.x, pose.y, np.cos(pose.yaw), np.sin(pose.yaw))]
-    bodies = np.stack([*(columns[name] for name in reading.pusher), *drawn], axis=1)
+    features = {name: dataset.read(name) for name in features_of(reading, dataset.schema)}
+    decoded = decode(features, reading, dataset.schema)
+    bodies = [part for name in reading.poses for part in _parts_drawn(decoded.take(frames).pose(name))]
     last = np.repeat(index.to_index - 1, index.lengths)
-    action = dataset.read(ACTION)[np.minimum(frames + reading.action_lag, last)]
-    return places, bodies, action.astype(np.float64)
+    lag = reading.action.lag if reading.action else 0
+    action = np.empty((len(frames), 0)) if decoded.action is None else decoded.action
+    late = action if decoded.action is None else action[np.minimum(frames + lag, last)]
+    return _Drawn(places, np.stack(bodies, axis=1) if bodies else np.empty((len(frames), 0)), late)
+
+
+def _parts_drawn(pose: Pose) -> list[Floats]:
+    """What decides where a body is drawn: two yaws that are a whole turn apart look the same."""
+    turned = [] if pose.yaw is None else [np.cos(pose.yaw), np.sin(pose.yaw)]
+    spatial = [] if pose.quaternion is None else [*pose.quaternion.T]
+    return [pose.x, pose.y, *([] if pose.z is None else [pose.z]), *turned, *spatial]
 
 
 def _share_that_differs(places: Ints, values: Floats, other_places: Ints, other_values: Floats) -> float:

@@ -14,76 +14,80 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from matplotlib.patheffects import withStroke
 
-from z2r.arrays import Array, Bools, Floats
+from z2r.api import inspect_dataset
+from z2r.arrays import Bools, Floats
 from z2r.course import drawing
 from z2r.course.field_guide import Change
 from z2r.format.dataset import Dataset
 from z2r.format.episodes import EpisodeIndex
-from z2r.format.schema import Schema
 from z2r.pusht.overlap import pusher_in_block
+from z2r.pusht.world import BODIES, PUSHT
 from z2r.reading.angles import decode_yaw, wrap_angle
-from z2r.reading.reading import PoseColumns, Reading, named_columns, read_pose
-from z2r.reading.success import FrameErrors, frame_errors, in_tolerance
+from z2r.reading.bodies import Body
+from z2r.reading.decode import Decoded, decode
+from z2r.reading.goal import Goal
+from z2r.reading.poses import Pose
+from z2r.reading.reading import Reading
+from z2r.reading.success import FrameErrors, decisive_frame, in_tolerance
 
 _RIBBON_POINTS = 7.2 * 72  # about how wide the ribbon is on the page
 _NEAR = 0.1  # m: what is farther from the block than this says nothing about overlap
 _MAX_NUMBERS = 12  # more would hide what they number
-_COLUMNS = (
-    *("episodes\ngone", "other\nlength", "reached\nis wrong"),
-    *("final\npos_err", "final\nang_err", "picture", "action", "speed"),
-)
 _MAX_CHECKS = 2  # names that fit in one cell
 
 
 @drawing.in_style
-def episode_path(state: Array, reading: Reading, schema: Schema) -> Figure:
-    """Draw one episode seen from above: some moments of the block, and the paths of block and pusher.
+def episode_path(decoded: Decoded) -> Figure:
+    """Draw one episode seen from above: some moments of what is moved, and its path and that of what moves it.
 
     Parameters
     ----------
-    state : ndarray, (n_frames, size of the feature)
-        Values of the feature that `reading` reads, at least one frame. Positions in m.
-    reading : Reading
-        What the columns mean.
-    schema : Schema
-        Where the columns stand.
+    decoded : Decoded
+        The frames of the episode, at least one, from `z2r.decode`.
 
     Raises
     ------
     ValueError
-        If there is no frame, or the schema lacks a column of the reading.
+        If there is no frame, or the reading has no pose.
     """
-    scene = drawing.read_scene(state, reading, schema)
     figure = drawing.new_figure(7, 7.2)
+    bodies = drawing.bodies_to_draw(decoded)
     axes = figure.subplots()
-    n_drawn = len(drawing.draw_scene(axes, scene, n_moments=7))
-    drawing.draw_path(axes, scene.pusher, drawing.PUSHER, "pusher")
-    # Neither on the way to the block, nor through the wall.
-    drawing.write_label(axes, "pusher starts", scene.pusher[0], np.sign(scene.pusher[0]) * (-1, 1), drawing.PUSHER)
-    drawing.set_frame(axes, drawing.WALLS, margin=0.02)
-    drawing.write_label(axes, "walls", drawing.WALLS[2], (-1, 1), drawing.GREY)
-    moments = f"the block at {_count(n_drawn, 'moment')}, from light to strong"
-    axes.set_title(f"{_count(len(state), 'frame')} from above; {moments}\ndot: start, cross: end")
+    outlines = drawing.draw_world(axes, decoded, n_moments=7)
+    everywhere = [*outlines.reshape(-1, 2)]
+    robot, walls = drawing.body_of_role(bodies, "robot"), drawing.walls(decoded.reading)
+    if robot is not None:
+        path = drawing.place(decoded.pose(robot))
+        label = bodies[robot].label
+        drawing.draw_path(axes, path, drawing.PUSHER, label)
+        # Neither on the way to the body, nor through the wall.
+        drawing.write_label(axes, f"{label} starts", path[0], np.sign(path[0]) * (-1, 1), drawing.PUSHER)
+        everywhere += [*path]
+    for name, body in bodies.items():
+        everywhere += [*drawing.place(decoded.pose(name))[:1]] if body.role == "goal" else []
+    points = np.array(everywhere) if walls is None else walls
+    drawing.set_frame(axes, decoded.reading, points, margin=0.05 * float(np.ptp(points, axis=0).max()) or 1.0)
+    if walls is not None:
+        drawing.write_label(axes, "walls", walls[2], (-1, 1), drawing.GREY)
+    moved = bodies[drawing.body_of_role(bodies, "object") or next(reversed(bodies))].label
+    moments = f"the {moved} at {_count(len(outlines), 'moment')}, from light to strong"
+    axes.set_title(f"{_count(len(decoded), 'frame')} from above; {moments}\ndot: start, cross: end")
     return figure
 
 
 @drawing.in_style
-def right_and_wrong(state: Array, right: Reading, wrong: Reading, schema: Schema) -> Figure:
-    """Draw the same frames twice, as two readings have them: where the block was, and the pusher at those moments.
+def right_and_wrong(right: Decoded, wrong: Decoded) -> Figure:
+    """Draw the same frames twice, as two readings have them: what is moved, and what moves it, at some moments.
 
     Parameters
     ----------
-    state : ndarray, (n_frames, size of the feature)
-        Values of the feature that both readings read, at least one frame. Positions in m.
-    right, wrong : Reading
-        What the columns mean, and what somebody takes them to mean. Where they differ is in the titles.
-    schema : Schema
-        Where the columns stand.
+    right, wrong : Decoded
+        What the frames mean, at least one, and what somebody takes them to mean. Where they differ is in the titles.
 
     Raises
     ------
     ValueError
-        If there is no frame, or the schema lacks a column of a reading.
+        If there is no frame, or a reading has no pose.
     """
     figure = drawing.new_figure(7.6, 4.2)
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
@@ -96,43 +100,39 @@ def right_and_wrong(state: Array, right: Reading, wrong: Reading, schema: Schema
         (wrong, right),
         strict=True,
     ):
-        scene = drawing.read_scene(state, one, schema)
-        corners += [*drawing.draw_scene(axes, scene, n_moments=3), *drawing.tee_outlines(scene.target)]
-        drawing.write_label(axes, "pusher", scene.pusher[-1], (1, -1), drawing.PUSHER, gap=12)
-        axes.set_title("\n".join([what, *_yaws_that_differ(one, other)]), color=color, size=10)
+        bodies = drawing.bodies_to_draw(one)
+        robot, goal = drawing.body_of_role(bodies, "robot"), drawing.body_of_role(bodies, "goal")
+        corners += [*drawing.draw_world(axes, one, n_moments=3)]
+        corners += [*drawing.outlines_of(bodies[goal], one.pose(goal))] if goal is not None else []
+        if robot is not None:
+            last = drawing.place(one.pose(robot))[-1]
+            drawing.write_label(axes, bodies[robot].label, last, (1, -1), drawing.PUSHER, gap=12)
+        axes.set_title("\n".join([what, *_yaws_that_differ(one.reading, other.reading, bodies)]), color=color, size=10)
+    points = np.concatenate(corners)
     for axes in panels:
-        drawing.set_frame(axes, np.concatenate(corners), margin=0.05, ratio=1)
+        drawing.set_frame(axes, right.reading, points, margin=0.08 * float(np.ptp(points, axis=0).max()), ratio=1)
     panels[1].set_ylabel("")
     return figure
 
 
 @drawing.in_style
-def seen_from_block(state: Array, right: Reading, wrong: Reading, schema: Schema) -> Figure:
+def seen_from_block(right: Decoded, wrong: Decoded) -> Figure:
     """Draw where the pusher was in every frame as seen from the block, as two readings have it.
 
     Solid bodies stay apart, so the right reading leaves the block empty, and a gap around it as wide as the pusher.
 
     Parameters
     ----------
-    state : ndarray, (n_frames, size of the feature)
-        Values of the feature that both readings read. Positions in m.
-    right, wrong : Reading
-        What the columns mean, and what somebody takes them to mean.
-    schema : Schema
-        Where the columns stand.
-
-    Raises
-    ------
-    ValueError
-        If the schema lacks a column of a reading.
+    right, wrong : Decoded
+        What the frames mean, and what somebody takes them to mean; of readings with the scene of PushT.
     """
     figure = drawing.new_figure(7.6, 4.2)
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
-    for axes, what, color, reading in zip(
+    for axes, what, color, decoded in zip(
         panels, ("read right", "read wrong"), (drawing.RIGHT, drawing.WRONG), (right, wrong), strict=True
     ):
-        across, along = pusher_in_block(state, reading, schema)
-        outline = drawing.draw_tees(axes, drawing.single_pose(0, 0, 0), drawing.TEE, "block", fill=0.25).reshape(-1, 2)
+        across, along = pusher_in_block(decoded)
+        outline = _draw_block(axes, drawing.single_pose(0, 0, 0), drawing.TEE, "block", fill=0.25).reshape(-1, 2)
         axes.plot(across, along, ".", color=drawing.PUSHER, markersize=4, gid="pusher")
         axes.set_title(what, color=color)
         (left, bottom), (right_end, top) = outline.min(axis=0) - _NEAR, outline.max(axis=0) + _NEAR
@@ -228,14 +228,14 @@ def yaw_circle(sin_yaw: float, cos_yaw: float) -> Figure:
 
 @drawing.in_style
 def error_traces(errors: FrameErrors, reading: Reading, fps: float) -> Figure:
-    """Draw how far the block is from the target in each frame of one episode, and the tolerances.
+    """Draw how far each frame of one episode is from each goal of the reading, and the limits.
 
     Parameters
     ----------
-    errors : FrameErrors
-        From `z2r.frame_errors`: distance [m] and yaw [rad], each float64[n_frames], at least one frame.
+    errors : dict of str to ndarray, float64[n_frames]
+        From `z2r.frame_errors`, at least one frame.
     reading : Reading
-        Has the tolerances.
+        Has the goals, at least one, and their limits.
     fps : float
         Frames a second, from the schema.
 
@@ -244,54 +244,59 @@ def error_traces(errors: FrameErrors, reading: Reading, fps: float) -> Figure:
     ValueError
         If there is no frame, or `fps` is not positive.
     """
-    if not len(errors.pos_err) or not fps > 0:
-        raise ValueError(f"found {len(errors.pos_err)} frames at {fps} fps, expected at least one at more than 0 fps")
-    figure = drawing.new_figure(8, 4.4)
-    panels = figure.subplots(2, 1, sharex=True)
-    _draw_trace(panels[0], errors.pos_err, fps, reading.pos_tol, "pos_err", "m")
-    _draw_trace(panels[1], errors.ang_err, fps, reading.ang_tol, "ang_err", "rad")
-    panels[1].set_xlabel("time [s]")
-    outcome = "in tolerance: reached" if in_tolerance(errors, reading)[-1] else "out of tolerance: not reached"
-    panels[0].set_title(f"The last stored frame is {outcome}")
+    n_frames = len(next(iter(errors.values()), ()))
+    if not n_frames or not fps > 0:
+        raise ValueError(f"found {n_frames} frames at {fps} fps, expected at least one at more than 0 fps")
+    figure = drawing.new_figure(8, 2.2 * len(reading.goal))
+    panels = figure.subplots(len(reading.goal), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, goal in zip(panels, reading.goal, strict=True):
+        _draw_trace(axes, errors[goal.name], fps, goal, reading.unit(goal))
+    panels[-1].set_xlabel("time [s]")
+    reached = in_tolerance(errors, reading)[decisive_frame(n_frames, reading)]
+    outcome = "in tolerance: reached" if reached else "out of tolerance: not reached"
+    panels[0].set_title(f"The {'last stored' if reading.decisive == 'last' else 'first'} frame is {outcome}")
     return figure
 
 
 @drawing.in_style
 def final_poses(dataset: Dataset, reading: Reading) -> Figure:
-    """Draw where the block stands in the last stored frame of every episode.
+    """Draw where the body that a goal moves stands in the decisive frame of every episode.
 
     Parameters
     ----------
     dataset : Dataset
         From `z2r.load`.
     reading : Reading
-        What the columns mean.
+        What the columns mean: its goals are about poses.
 
     Raises
     ------
     DatasetError
         If a data file is missing, damaged, or not what the schema and the index say.
     ValueError
-        If the schema lacks a column of the reading.
+        If the schema lacks a column of the reading, or no goal is about a pose.
     """
-    last = dataset.read(reading.feature)[dataset.episodes.to_index - 1]
-    reached = in_tolerance(frame_errors(last, reading, dataset.schema), reading)
-    columns = named_columns(last, reading, dataset.schema)
-    tee = read_pose(columns, reading.tee)
+    inspection = inspect_dataset(dataset, reading=reading)
+    if inspection.outcome is None or reading.moved is None:
+        raise ValueError(f"found {reading}, expected one that fits and has a goal between two poses")
+    reached = inspection.outcome.reached
+    ends = decode(inspection.ends[reading.decisive], reading, dataset.schema)
+    bodies = drawing.bodies_to_draw(ends)
+    body, pose = bodies[reading.moved], ends.pose(reading.moved)
     figure = drawing.new_figure(7.6, 4.3)
     axes = figure.subplots()
-    target = drawing.draw_target(axes, read_pose(columns, reading.target))
+    target = drawing.draw_goal(axes, bodies[reading.destination], ends.pose(reading.destination))
     strength = float(np.clip(12 / len(reached), 0.02, 0.9))  # of thousands, each is faint: where they agree adds up
     for chosen, color, line, what in (
         (reached, drawing.RIGHT, "solid", "reached"),
         (~reached, drawing.WRONG, "dashed", "not reached"),
     ):
-        drawing.draw_tees(
-            axes, drawing.select_frames(tee, chosen), color, what, [strength], fill=0, linestyle=line, linewidth=1.3
-        )
-    outlines = drawing.tee_outlines(tee)
-    drawing.set_frame(axes, np.concatenate([*outlines, target]), margin=0.02, ratio=1.3)
-    drawing.write_key(axes, "solid: reached", "dashed: not reached", "dotted: target")
+        some = drawing.select_frames(pose, chosen)
+        drawing.draw_bodies(axes, body, some, color, what, [strength], fill=0, linestyle=line, linewidth=1.3)
+    outlines = drawing.outlines_of(body, pose)
+    points = np.concatenate([*outlines, target])
+    drawing.set_frame(axes, reading, points, margin=0.05 * float(np.ptp(points, axis=0).max()), ratio=1.3)
+    drawing.write_key(axes, "solid: reached", "dashed: not reached", f"dotted: {bodies[reading.destination].label}")
     if (~reached).sum() <= _MAX_NUMBERS:
         for episode in np.flatnonzero(~reached).tolist():
             drawing.write_beside(axes, f"{episode}", outlines[episode], target.mean(axis=0), drawing.WRONG)
@@ -321,9 +326,9 @@ def two_poses(
         raise ValueError(f"found {expected} and {got}, expected finite numbers")
     figure = drawing.new_figure(7.5, 4.2)
     axes = figure.subplots()
-    one = drawing.draw_tees(axes, drawing.single_pose(*expected), drawing.RIGHT, "expected", linewidth=2)
-    other = drawing.draw_tees(axes, drawing.single_pose(*got), drawing.WRONG, "got", linewidth=2, linestyle="dashed")
-    drawing.set_frame(axes, np.concatenate([*one, *other]), margin=0.03, ratio=1.4)
+    one = _draw_block(axes, drawing.single_pose(*expected), drawing.RIGHT, "expected", linewidth=2)
+    other = _draw_block(axes, drawing.single_pose(*got), drawing.WRONG, "got", linewidth=2, linestyle="dashed")
+    drawing.set_frame(axes, PUSHT, np.concatenate([*one, *other]), margin=0.03, ratio=1.4)
     drawing.write_key(axes, "solid: expected", f"dashed: {label}")
     distance = np.hypot(got[0] - expected[0], got[1] - expected[1])
     turn = np.rad2deg(wrap_angle(got[2] - expected[2]))
@@ -379,9 +384,13 @@ def what_changes(changes: Sequence[Change]) -> Figure:
         raise ValueError("found no change, expected at least one")
     figure = drawing.new_figure(11.5, 1 + 0.36 * len(changes))
     axes = figure.subplots()
-    axes.set(xlim=(-0.5, 10.7), ylim=(len(changes) - 0.4, -0.6), xticks=range(len(_COLUMNS)), xticklabels=_COLUMNS)
+    columns = ["episodes\ngone", "other\nlength", "reached\nis wrong"]
+    columns += [f"final\n{name}" for name in changes[0].errors] + ["picture", "action", "speed"]
+    axes.set(xlim=(-0.5, len(columns) + 2.7), ylim=(len(changes) - 0.4, -0.6))
+    axes.set(xticks=range(len(columns)), xticklabels=columns)
+    after = len(columns) - 0.4
     axes.set(yticks=range(len(changes)), yticklabels=[change.name for change in changes])
-    axes.text(7.6, -0.7, "checks of the audit\nthat find it", va="bottom")
+    axes.text(after, -0.7, "checks of the audit\nthat find it", va="bottom")
     axes.tick_params(length=0, labeltop=True, labelbottom=False)
     axes.spines[["left", "bottom"]].set_visible(False)
     for row, change in enumerate(changes):
@@ -389,17 +398,14 @@ def what_changes(changes: Sequence[Change]) -> Figure:
         for column, text in enumerate(_marks(change)):
             style: dict[str, Any] = {"boxstyle": "round,pad=0.25", "edgecolor": drawing.WRONG, "facecolor": "none"}
             axes.text(column, row, text or "·", ha="center", va="center", bbox=style if text else None)
-        axes.text(7.6, row, _noticed(change), va="center", weight="normal" if change.checks else "bold")
+        axes.text(after, row, _noticed(change), va="center", weight="normal" if change.checks else "bold")
     return figure
 
 
 def _marks(change: Change) -> list[str]:
     """Say of each column by how much it changes; empty where it does not."""
     counts = [f"{count}" if count else "" for count in (change.missing, change.lengths, change.reached)]
-    errors = [
-        f"{change.pos_err:.2f} m" if change.pos_err else "",
-        f"{change.ang_err:.2f} rad" if change.ang_err else "",
-    ]
+    errors = [f"{error:.2f}" if error else "" for error in change.errors.values()]
     shares = [f"{100 * share:.0f} %" if share else "" for share in (change.picture, change.action)]
     return [*counts, *errors, *shares, "" if change.speed == 1 else f"{change.speed:.0f} x"]
 
@@ -412,12 +418,17 @@ def _noticed(change: Change) -> str:
     return f"{names}, {more} more" if more > 0 else names
 
 
-def _yaws_that_differ(reading: Reading, other: Reading) -> list[str]:
-    def formula(pose: PoseColumns) -> str:
-        return f"atan2({pose.sin_yaw}, {pose.cos_yaw})"
+def _yaws_that_differ(reading: Reading, other: Reading, bodies: dict[str, Body]) -> list[str]:
+    """Say how a reading decodes each yaw that another one decodes in another way; what is moved comes first."""
+    yaws = {name: pose.yaw.formula for name, pose in reading.poses.items() if pose.yaw}
+    others = {name: pose.yaw.formula for name, pose in other.poses.items() if pose.yaw}
+    moved_first = [name for name in reversed(bodies) if name in yaws]
+    return [f"{bodies[name].label}: {yaws[name]}" for name in moved_first if yaws[name] != others.get(name)]
 
-    pairs = (("block", reading.tee, other.tee), ("target", reading.target, other.target))
-    return [f"{what}: {formula(one)}" for what, one, two in pairs if formula(one) != formula(two)]
+
+def _draw_block(axes: Axes, pose: Pose, color: str, gid: str, **style: Any) -> Floats:
+    """Draw the T of the course, which gives a yaw a shape."""
+    return drawing.draw_bodies(axes, BODIES["tee"], pose, color, gid, **style)
 
 
 def _draw_segments(axes: Axes, episodes: EpisodeIndex, chosen: Bools, bottom: float, color: str, hatch: str) -> None:
@@ -440,14 +451,8 @@ def _draw_yaw(axes: Axes, yaw: float, side: float, color: str, linestyle: str, w
     """Draw a yaw as a ray, with a T that points along it, and its number on the given side of the ray."""
     tip = drawing.on_circle(yaw)
     axes.plot(*np.transpose([(0, 0), tip]), color=color, linestyle=linestyle, linewidth=2, gid=what)
-    drawing.draw_tees(
-        axes,
-        drawing.single_pose(*drawing.on_circle(yaw, 1.35), yaw),
-        color,
-        f"{what} block",
-        size=4,
-        linestyle=linestyle,
-    )
+    beside = drawing.single_pose(*drawing.on_circle(yaw, 1.35), yaw)
+    _draw_block(axes, beside, color, f"{what} block", size=4, linestyle=linestyle)
     axes.plot(*tip, "o", color=color, markersize=6)
     drawing.write_label(
         axes, f"{np.rad2deg(yaw):.1f}°", np.multiply(0.6, tip), drawing.on_circle(yaw + np.pi / 2, side), color
@@ -466,16 +471,22 @@ def _write_notes(axes: Axes, right: float, wrong: float) -> None:
         axes.text(0, height, text, color=color, va="top")
 
 
-def _draw_trace(axes: Axes, values: Floats, fps: float, tolerance: float, name: str, unit: str) -> None:
+def _draw_trace(axes: Axes, values: Floats, fps: float, goal: Goal, unit: str) -> None:
     time = np.arange(len(values)) / fps
     end = max(time[-1], 1 / fps)
-    axes.axhspan(0, tolerance, color=drawing.GREEN, alpha=0.2, linewidth=0, gid="tolerance")
-    axes.plot(time, values, color=drawing.BLUE, linewidth=1.8, gid=name)
+    limits = list(goal.limits.values())
+    top, bottom = 1.1 * max([*limits, values.max()]), min([0.0, *limits, values.min()])
+    low, high = goal.at_least if goal.at_least is not None else bottom, goal.within or goal.at_most or top
+    axes.axhspan(low, high, color=drawing.GREEN, alpha=0.2, linewidth=0, gid="tolerance")
+    axes.plot(time, values, color=drawing.BLUE, linewidth=1.8, gid=goal.name)
     axes.plot(time[-1], values[-1], "o", color=drawing.INK, markersize=6, gid="last stored frame")
-    axes.set(ylabel=f"{name} [{unit}]", xlim=(0, 1.22 * end), ylim=(0, 1.1 * max(tolerance, values.max())))
+    label = f"{goal.name} [{unit}]" if unit else goal.name
+    axes.set(ylabel=label, xlim=(0, 1.22 * end), ylim=(bottom, top))
     last = f"last stored frame\n{values[-1]:.3f} {unit}"
     drawing.write_label(axes, last, np.array([time[-1], values[-1]]), (1, 0.5), drawing.INK)
-    drawing.write_label(axes, f"tolerance {tolerance:g} {unit}", np.array([0, tolerance]), (1, 1), drawing.GREEN, gap=4)
+    for limit, value in goal.limits.items():
+        said = f"{'tolerance' if limit == 'within' else limit.replace('_', ' ')} {value:g} {unit}"
+        drawing.write_label(axes, said, np.array([0, value]), (1, 1), drawing.GREEN, gap=4)
 
 
 def _count(number: int, noun: str) -> str:

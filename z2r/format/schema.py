@@ -66,6 +66,11 @@ class Feature(msgspec.Struct, frozen=True):
             return tuple(names)
         return ()
 
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """What to call each dimension: its name, or else its place, such as ``[2]``."""
+        return self.dim_names or tuple(f"[{place}]" for place in range(self.size))
+
 
 class Schema(msgspec.Struct, frozen=True):
     """The schema of a dataset, and the totals that it states.

@@ -4,24 +4,25 @@ Each data file is folded into sums (`Sums`); what they say is judged at the end.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from msgspec.structs import replace
 
 from z2r.arrays import Bools, Columns, Floats, Ints, reduce_parts
 from z2r.audits.findings import Finding, error, warning
 from z2r.format.episodes import EpisodeIndex, parts_within
-from z2r.format.schema import ACTION, Schema
+from z2r.format.schema import Schema
 from z2r.pusht import motion
 from z2r.pusht.motion import STILL
 from z2r.pusht.overlap import LIMIT, overlap
 from z2r.pusht.task import ACTION_LIMIT, PUSHER_RADIUS, WALL
 from z2r.pusht.verdict import Recording
 from z2r.reading.angles import wrap_angle
-from z2r.reading.reading import Reading, named_columns, read_pose
-from z2r.reading.success import FrameErrors, in_tolerance
+from z2r.reading.decode import Decoded, decode
+from z2r.reading.reading import Reading
+from z2r.reading.success import frame_errors, in_tolerance
 
 # m in one frame, beyond what the action asks for: at most 0.005 inside the episodes of the shipped data, and at least
 # 0.15 between them. Where the action does not say what moves, it takes a long leap.
@@ -62,21 +63,21 @@ class Sums(NamedTuple):
 
 def fold(frames: Columns, base: int, episodes: EpisodeIndex, reading: Reading, schema: Schema) -> Sums:
     """Sum up one data file, whose first row is frame `base` of the dataset."""
-    state, n = frames[reading.feature], len(frames[reading.feature])
+    n = len(frames[reading.feature])
     here, starts, stops = parts_within(episodes, base, base + n)
     inside = _pairs_inside(starts, stops, n)
     begins = np.isin(np.arange(1, n), starts)
-    columns = named_columns(state, reading, schema)
-    steps = np.stack([np.diff(columns[name]) for name in reading.pusher], axis=1)
-    action = _velocity(frames, reading, schema)
-    tee = read_pose(columns, reading.tee)
-    offset = _offset(columns, reading)
-    errors = FrameErrors(np.hypot(*offset[:, :2].T), np.abs(offset[:, 2]))
+    decoded = decode(frames, reading, schema)
+    tee, pusher, action = decoded.pose("tee"), decoded.pose("pusher"), decoded.action
+    assert action is not None and reading.action is not None
+    steps = np.stack([np.diff(pusher.x), np.diff(pusher.y)], axis=1)
+    offset = _offset(decoded)
+    errors = frame_errors(decoded)
     leaps, smooth = _leaps(steps, action, np.hypot(np.diff(tee.x), np.diff(tee.y)), 1 / schema.fps)
     long = leaps > _LONG_LEAP
     together = inside & ~long if long.sum() < _RARE * len(long) else inside  # a leap is no motion, unless all motion is
-    free = _away_from_walls(columns, reading)
-    depth = overlap(state, reading, schema)
+    free = _away_from_walls(decoded)
+    depth = overlap(decoded)
     fine = in_tolerance(errors, reading)
     return Sums(
         n_frames=n,
@@ -85,8 +86,10 @@ def fold(frames: Columns, base: int, episodes: EpisodeIndex, reading: Reading, s
         leaps=_worst(leaps, (leaps > _LEAP) & inside, base + 1),
         long_leaps=_worst(leaps, (leaps > _LONG_LEAP) & inside, base + 1),
         seams=_worst(smooth, (smooth < _SMOOTH) & begins & ~inside, base + 1),
-        half_turns=_worst(errors.ang_err, errors.ang_err > np.pi + 1e-6, base),
-        motion=motion.sum_up(steps * schema.fps, action, together & free, starts, reading.action_lag),
+        half_turns=_worst(errors["ang_err"], errors["ang_err"] > np.pi + 1e-6, base),
+        motion=motion.sum_up(
+            steps * schema.fps, action, together & free, starts, reading.action.lag if reading.action else 0
+        ),
         stuck=_stuck(steps, action, inside & free, base + 1),
         episode=episodes.numbers[here],
         in_tolerance=reduce_parts(np.logical_or, fine, starts, stops),
@@ -142,8 +145,7 @@ def check_verdict(reached: Bools, episodes: EpisodeIndex, verdict: Recording, na
 def reached(sums: Sequence[Sums], reading: Reading) -> Bools:
     """Tell which episodes are in tolerance in their decisive frame, in the order of their numbers."""
     x, y, turn = _decisive(sums, reading).T
-    fine: Bools = (np.hypot(x, y) <= reading.pos_tol) & (np.abs(turn) <= reading.ang_tol)
-    return fine
+    return in_tolerance({"pos_err": np.hypot(x, y), "ang_err": np.abs(turn)}, reading)
 
 
 def _judge_overlap(sums: Sequence[Sums], files: Sequence[Path]) -> Iterator[Finding]:
@@ -226,15 +228,19 @@ def _judge_ends(sums: Sequence[Sums], reading: Reading) -> Iterator[Finding]:
     first_x, first_y, first_turn = _decisive(sums, replace(reading, decisive="first")).T
     turned, turn_spread = _circular(turn)
     # Where ends are no closer together than starts, nobody brought the block anywhere.
-    if abs(turned) > max(reading.ang_tol, 2 * turn_spread) and turn_spread < _circular(first_turn)[1] / 2:
+    if abs(turned) > max(_within(reading, "ang_err"), 2 * turn_spread) and turn_spread < _circular(first_turn)[1] / 2:
         found = f"all turned by about {turned:.2f} rad from the target"
         mend = "The yaw of the block or of the target is read wrong (sine and cosine swapped?)"
         yield warning("final-offset", "data", "last frames", found, "ends around the target", mend)
     middle, spread = _middle(x, y)
-    if np.hypot(*middle) > max(reading.pos_tol, 2 * spread) and spread < _middle(first_x, first_y)[1] / 2:
+    if np.hypot(*middle) > max(_within(reading, "pos_err"), 2 * spread) and spread < _middle(first_x, first_y)[1] / 2:
         found = f"all about {1000 * middle[0]:.0f} and {1000 * middle[1]:.0f} mm away from the target"
         mend = "The position of the block or of the target is read wrong"
         yield warning("final-offset", "data", "last frames", found, "ends around the target", mend)
+
+
+def _within(reading: Reading, name: str) -> float:
+    return next(goal.within for goal in reading.goal if goal.name == name and goal.within is not None)
 
 
 def _circular(angles: Floats) -> tuple[float, float]:
@@ -249,9 +255,9 @@ def _middle(x: Floats, y: Floats) -> tuple[Floats, float]:
     return middle, float(np.median(np.hypot(x - middle[0], y - middle[1])))
 
 
-def _away_from_walls(columns: dict[str, Floats], reading: Reading) -> Bools:
+def _away_from_walls(decoded: Decoded) -> Bools:
     """Tell of each frame and the next whether both are away from any wall, bool[n - 1]; all, if no frame is."""
-    reach = np.max([np.abs(columns[name]) for name in reading.pusher], axis=0)
+    reach = np.max(np.abs(decoded.pose("pusher")[:2]), axis=0)
     free = reach < WALL - 2 * PUSHER_RADIUS
     if not free.any():
         return np.ones(len(reach) - 1, dtype=bool)
@@ -268,16 +274,12 @@ def _pairs_inside(starts: Ints, stops: Ints, n: int) -> Bools:
     return inside
 
 
-def _velocity(frames: Columns, reading: Reading, schema: Schema) -> Floats:
-    places = schema.columns(ACTION, reading.velocity)
-    return frames[ACTION][:, places].astype(np.float64)
-
-
-def _offset(columns: dict[str, Floats], reading: Reading) -> Floats:
+def _offset(decoded: Decoded) -> Floats:
     """How far the block is from the target: x [m], y [m], turn [rad], float64[n, 3]."""
-    tee, target = read_pose(columns, reading.tee), read_pose(columns, reading.target)
-    turn = tee.yaw - target.yaw
-    return np.stack([tee.x - target.x, tee.y - target.y, wrap_angle(turn) if reading.wraps else turn], axis=1)
+    tee, target = decoded.pose("tee"), decoded.pose("target")
+    turn = decoded.yaw("tee") - decoded.yaw("target")
+    wraps = all(goal.wraps for goal in decoded.reading.goal)
+    return np.stack([tee.x - target.x, tee.y - target.y, wrap_angle(turn) if wraps else turn], axis=1)
 
 
 def _leaps(steps: Floats, action: Floats, block_steps: Floats, seconds: float) -> tuple[Floats, Floats]:

@@ -34,6 +34,7 @@ BAR_CENTER: tuple[float, float] = (0.0, 0.0)
 BAR_HALF_SIZE: tuple[float, float, float] = (0.06, 0.015, 0.015)
 STEM_CENTER: tuple[float, float] = (0.0, -0.06)
 STEM_HALF_SIZE: tuple[float, float, float] = (0.015, 0.045, 0.015)
+TEE = ((BAR_CENTER, BAR_HALF_SIZE), (STEM_CENTER, STEM_HALF_SIZE))
 TEE_Z = 0.0152  # m: the block rides this high, just off the floor
 
 PUSHER_RADIUS = 0.015  # m
@@ -42,12 +43,3 @@ PUSHER_Z = 0.02  # m
 
 DEMO_NOISE = 0.08  # m/s: standard deviation of the noise on each action of a demonstration
 TASK = "push the T onto the target"
-
-
-def in_tolerance(pos_err: float, ang_err: float) -> bool:
-    """Whether a position error [m] and a yaw error [rad] are both within the task's tolerances.
-
-    >>> in_tolerance(0.01, 0.1), in_tolerance(0.01, 3.1)
-    (True, False)
-    """
-    return pos_err <= POS_TOL and ang_err <= ANG_TOL

@@ -53,3 +53,46 @@ def decode_yaw(sin_yaw: ArrayLike, cos_yaw: ArrayLike) -> Floats:
     30.0
     """
     return np.arctan2(np.asarray(sin_yaw, dtype=np.float64), np.asarray(cos_yaw, dtype=np.float64))
+
+
+def turn_between(one: Floats, other: Floats) -> Floats:
+    """Measure by how much two orientations in space differ: the angle of the one turn that leads from one to the other.
+
+    Parameters
+    ----------
+    one, other : ndarray, float64[n, 4]
+        Quaternions of length 1, both in the same order. A quaternion and its negative are the same orientation.
+
+    Returns
+    -------
+    ndarray, float64[n]
+        The angle [rad], in [0, pi].
+
+    Examples
+    --------
+    >>> half = np.sqrt(0.5)
+    >>> np.rad2deg(turn_between(np.array([[0, 0, 0, 1.0]]), np.array([[0, 0, half, half]]))).round(6)
+    array([90.])
+    """
+    same_side = np.where((one * other).sum(axis=1, keepdims=True) < 0, -1.0, 1.0)  # (n, 1)
+    apart, together = one - same_side * other, one + same_side * other  # (n, 4)
+    # Twice the angle between the two as vectors; by halves, which is exact where an arc cosine is not: near 0.
+    angle: Floats = 4 * np.arctan2(np.linalg.norm(apart, axis=1), np.linalg.norm(together, axis=1))
+    return angle
+
+
+def yaw_quaternions(yaw: Floats) -> Floats:
+    """Turn yaws about the vertical axis into quaternions.
+
+    Parameters
+    ----------
+    yaw : ndarray, float64[n_frames]
+        Yaw [rad].
+
+    Returns
+    -------
+    ndarray, float64[n_frames, 4]
+        In the order x, y, z, w, as rerun has them.
+    """
+    zero = np.zeros_like(yaw)
+    return np.stack([zero, zero, np.sin(yaw / 2), np.cos(yaw / 2)], axis=1)

@@ -1,7 +1,7 @@
 """What is in a dataset? One row for each episode, then the totals.
 
 The summary is a fold over the data files: each file gives one row for every episode that it holds a part of, and the
-rows are merged at the end. Nothing else of a file is kept.
+rows are merged at the end. Nothing else of a file is kept, but the first frames where somebody wants to draw them.
 """
 
 from dataclasses import dataclass
@@ -10,13 +10,14 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from z2r.arrays import Array, Bools, Columns, Floats, Ints, Progress, no_progress, reduce_parts
+from z2r.arrays import Array, Bools, Columns, Ints, Progress, no_progress, reduce_parts
 from z2r.format.dataset import Dataset, map_files
 from z2r.format.episodes import DataFile, EpisodeIndex, parts_within
 from z2r.format.schema import ACTION, STATE, Schema
 from z2r.reading.breaks import BreakMode
-from z2r.reading.reading import PUSHT, Reading
-from z2r.reading.success import frame_errors, in_tolerance
+from z2r.reading.decode import Decoded, decode
+from z2r.reading.reading import Reading
+from z2r.reading.success import FrameErrors, frame_errors, in_tolerance
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,27 +40,29 @@ class Outcome:
 
     Attributes
     ----------
-    final_pos_err : ndarray, float64[n_episodes]
-        Distance from the block to the target in the last stored frame [m].
-    final_ang_err : ndarray, float64[n_episodes]
-        How far the block is turned away from the target there [rad], in [0, pi].
+    final_errors : dict of str to ndarray, float64[n_episodes]
+        What each goal measures in the decisive frame, by its name: ``final_errors["pos_err"]`` [m].
     reached : ndarray, bool[n_episodes]
-        Whether both are within the tolerances.
+        Whether all goals hold there.
     """
 
-    final_pos_err: Floats
-    final_ang_err: Floats
+    final_errors: FrameErrors
     reached: Bools
 
     @property
     def n_reached(self) -> int:
-        """Number of episodes that reached the target."""
+        """Number of episodes that reached the goal."""
         return int(self.reached.sum())
 
     @property
-    def success_rate(self) -> float:
-        """Share of the episodes that reached the target, in [0, 1]."""
+    def share_reached(self) -> float:
+        """Share of the episodes that reached the goal, in [0, 1]; the key ``success_rate`` of `metrics.json`."""
         return float(self.reached.mean())
+
+    @property
+    def tally(self) -> str:
+        """How many reached the goal, of how many."""
+        return f"{self.n_reached:,} of {len(self.reached):,}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,29 +71,56 @@ class Inspection:
 
     Attributes
     ----------
-    schema : Schema
-        Fact one.
-    episodes : EpisodeIndex
-        Fact two, as the break mode leaves it.
+    dataset : Dataset
+        What was read, as the break mode leaves it.
     ranges : dict of str to Ranges
         For every numeric feature that the robot saw or did.
+    ends : dict of str to Columns
+        The ``first`` and the ``last`` frame of every episode: every such feature, (n_episodes, size).
     outcome : Outcome or None
-        None where there is no reading.
+        None where no reading fits, or the one that does has no goal.
     reading : Reading or None
-        What the columns were taken to mean, as the break mode leaves it; None where the schema lacks its columns.
+        What the columns were taken to mean, as the break mode leaves it; None where none was given, or the schema lacks
+        its columns.
     missing : tuple of str
         The columns that the reading would have needed.
     break_mode : str or None
         Which assumption was wrong on purpose.
+    shown : EpisodeIndex
+        The first episodes, as many as there are frames of in `kept`, and of a longer first one its beginning; counted
+        from the first frame in `kept`.
+    kept : Columns
+        Their frames, for who wants to draw them; none unless asked for.
     """
 
-    schema: Schema
-    episodes: EpisodeIndex
+    dataset: Dataset
     ranges: dict[str, Ranges]
+    ends: dict[str, Columns]
     outcome: Outcome | None
     reading: Reading | None
     missing: tuple[str, ...]
     break_mode: str | None
+    shown: EpisodeIndex
+    kept: Columns
+
+    def __repr__(self) -> str:
+        reached = f"reached {self.outcome.tally}" if self.outcome else "nothing says what counts as reached"
+        return f"Inspection({len(self.episodes):,} episodes, {reached})"
+
+    @property
+    def schema(self) -> Schema:
+        """Fact one."""
+        return self.dataset.schema
+
+    @property
+    def episodes(self) -> EpisodeIndex:
+        """Fact two, as the break mode leaves it."""
+        return self.dataset.episodes
+
+    @property
+    def last_frames(self) -> Columns:
+        """The last frame of every episode: every numeric feature, (n_episodes, size)."""
+        return self.ends["last"]
 
     def metrics(self, source: str, seed: int | None) -> dict[str, Any]:
         """Return the numbers as plain Python values for `metrics.json`, floats rounded to 6 places.
@@ -105,9 +135,11 @@ class Inspection:
         Returns
         -------
         dict
-            What depends on a reading is None where there is none.
+            ``success_rate`` is the share of episodes that *reached* the goal: the key is the seed course's. What each
+            goal measures at the end is ``final_`` and its name. What depends on a reading is None where there is none.
         """
         lengths, outcome = self.episodes.lengths, self.outcome
+        errors = {"pos_err": None, "ang_err": None} | (outcome.final_errors if outcome else {})
         return {
             "source": source,
             "seed": seed,
@@ -122,19 +154,20 @@ class Inspection:
             "mean_episode_length": round(float(lengths.mean()), 6),
             "reached": outcome and outcome.reached.tolist(),
             "n_reached": outcome and outcome.n_reached,
-            "success_rate": outcome and round(outcome.success_rate, 6),
-            "final_pos_err": outcome and outcome.final_pos_err.round(6).tolist(),
-            "final_ang_err": outcome and outcome.final_ang_err.round(6).tolist(),
+            "success_rate": outcome and round(outcome.share_reached, 6),
+            **{f"final_{name}": None if each is None else each.round(6).tolist() for name, each in errors.items()},
+            "reading": self.reading and self.reading.name,
         }
 
 
 def inspect_dataset(
     dataset: Dataset,
     mode: BreakMode | None = None,
-    reading: Reading = PUSHT,
+    reading: Reading | None = None,
     progress: Progress = no_progress,
+    keep: int = 0,
 ) -> Inspection:
-    """Read every frame of a dataset and sum it up.
+    """Read every frame of a dataset once, and sum it up.
 
     Parameters
     ----------
@@ -146,10 +179,8 @@ def inspect_dataset(
         What the columns mean. Where the schema lacks its columns, there is no outcome.
     progress : callable, optional
         Called with the number of frames done and the number of all, after each data file.
-
-    Returns
-    -------
-    Inspection
+    keep : int, optional
+        Keep as many of the first frames, those of whole episodes, for who wants to draw them.
 
     Raises
     ------
@@ -157,24 +188,46 @@ def inspect_dataset(
         If a data file is missing, damaged, or not what the schema and the index say.
     """
     if mode:
-        dataset, reading = mode.dataset(dataset), mode.reading(reading)
-    schema, episodes = dataset.schema, dataset.episodes
-    missing = reading.missing(schema)
-    features = list(schema.signals())
-
-    def fold(file: DataFile, frames: Columns) -> _Rows:
-        return _summarise(file, frames, episodes)
-
-    rows = _merge(map_files(dataset, features, fold, progress))
+        dataset, reading = mode.dataset(dataset), reading and mode.reading(reading)
+    schema, missing = dataset.schema, reading.missing(dataset.schema) if reading else ()
+    first = int(dataset.episodes.from_index[0])
+    fold = _Fold(dataset.episodes, first, first + keep)
+    parts = map_files(dataset, list(schema.signals()), fold, progress)
+    sums = _merge([part.sums for part in parts])
+    fits = reading if reading and not missing else None
+    ends = {"first": sums.first, "last": sums.last}
     return Inspection(
-        schema=schema,
-        episodes=episodes,
-        ranges={name: Ranges(rows.low[name], rows.high[name]) for name in features},
-        outcome=None if missing else _outcome(getattr(rows, reading.decisive)[reading.feature], reading, schema),
-        reading=None if missing else reading,
+        dataset=dataset,
+        ranges={name: Ranges(sums.low[name], sums.high[name]) for name in sums.low},
+        ends=ends,
+        outcome=outcome_of(decode(ends[fits.decisive], fits, schema)) if fits and fits.goal else None,
+        reading=fits,
         missing=missing,
         break_mode=mode.name if mode else None,
+        shown=beginning(dataset.episodes, keep),
+        kept={name: np.concatenate([part.kept[name] for part in parts]) for name in sums.low} if keep else {},
     )
+
+
+def beginning(episodes: EpisodeIndex, n_frames: int) -> EpisodeIndex:
+    """Return the first episodes that fit into so many frames, of a longer first one its beginning, counted from 0.
+
+    Examples
+    --------
+    >>> index = EpisodeIndex(from_index=np.array([5, 8]), to_index=np.array([8, 13]))
+    >>> [beginning(index, n).to_index.tolist() for n in (2, 7, 8)]
+    [[2], [3], [3, 8]]
+    """
+    first = episodes.from_index[0]
+    fitting = int(np.searchsorted(episodes.to_index - first, n_frames, side="right"))
+    fit = episodes.only(slice(max(fitting, 1)))
+    return EpisodeIndex(fit.from_index - first, np.minimum(fit.to_index - first, n_frames), fit.numbers)
+
+
+def outcome_of(decisive_frames: Decoded) -> Outcome:
+    """Say how each episode ended, from the frame of each that decides, in the order of the episodes."""
+    errors = frame_errors(decisive_frames)
+    return Outcome(errors, in_tolerance(errors, decisive_frames.reading))
 
 
 def metrics_json(metrics: dict[str, Any]) -> bytes:
@@ -183,7 +236,7 @@ def metrics_json(metrics: dict[str, Any]) -> bytes:
 
 
 @dataclass(frozen=True, eq=False)
-class _Rows:
+class _EpisodeSums:
     """One row for each part of an episode; all arrays have a row for each."""
 
     episode: Ints
@@ -193,18 +246,37 @@ class _Rows:
     last: Columns
 
 
-def _summarise(file: DataFile, frames: Columns, episodes: EpisodeIndex) -> _Rows:
-    here, starts, stops = parts_within(episodes, file.from_index, file.to_index)
-    return _Rows(
-        episode=here,
-        low={name: reduce_parts(np.minimum, values, starts, stops) for name, values in frames.items()},
-        high={name: reduce_parts(np.maximum, values, starts, stops) for name, values in frames.items()},
-        first={name: values[starts] for name, values in frames.items()},
-        last={name: values[stops - 1] for name, values in frames.items()},
-    )
+@dataclass(frozen=True, eq=False)
+class _FileSums:
+    """What is kept of one data file."""
+
+    sums: _EpisodeSums
+    kept: Columns
 
 
-def _merge(parts: list[_Rows]) -> _Rows:
+@dataclass(frozen=True, eq=False)
+class _Fold:
+    """Sums one data file up; an object and no closure, so that another process can be sent it."""
+
+    episodes: EpisodeIndex
+    keep_from: int
+    keep_to: int
+
+    def __call__(self, file: DataFile, frames: Columns) -> _FileSums:
+        place, starts, stops = parts_within(self.episodes, file.from_index, file.to_index)
+        kept = slice(max(self.keep_from - file.from_index, 0), max(self.keep_to - file.from_index, 0))
+        sums = _EpisodeSums(
+            episode=place,
+            low={name: reduce_parts(np.minimum, values, starts, stops) for name, values in frames.items()},
+            high={name: reduce_parts(np.maximum, values, starts, stops) for name, values in frames.items()},
+            first={name: values[starts] for name, values in frames.items()},
+            last={name: values[stops - 1] for name, values in frames.items()},
+        )
+        # A copy: a slice would hold the whole file in memory.
+        return _FileSums(sums, {name: values[kept].copy() for name, values in frames.items()})
+
+
+def _merge(parts: list[_EpisodeSums]) -> _EpisodeSums:
     """Join the rows of all files; an episode that lies in several files becomes one row again."""
     episode = np.concatenate([part.episode for part in parts])
     starts = np.flatnonzero(np.diff(episode, prepend=-1))
@@ -213,18 +285,13 @@ def _merge(parts: list[_Rows]) -> _Rows:
     def joined(column: str) -> Columns:
         return {name: np.concatenate([getattr(part, column)[name] for part in parts]) for name in parts[0].low}
 
-    return _Rows(
+    return _EpisodeSums(
         episode=episode[starts],
         low={name: np.minimum.reduceat(values, starts, axis=0) for name, values in joined("low").items()},
         high={name: np.maximum.reduceat(values, starts, axis=0) for name, values in joined("high").items()},
         first={name: values[starts] for name, values in joined("first").items()},
         last={name: values[stops - 1] for name, values in joined("last").items()},
     )
-
-
-def _outcome(decisive_frames: Array, reading: Reading, schema: Schema) -> Outcome:
-    errors = frame_errors(decisive_frames, reading, schema)
-    return Outcome(errors.pos_err, errors.ang_err, in_tolerance(errors, reading))
 
 
 def _size(schema: Schema, feature: str) -> int | None:

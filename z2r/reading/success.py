@@ -1,63 +1,80 @@
-"""How many reached the target? The dataset does not say; its last frames do.
+"""How many reached the goal? The dataset does not say; its last frames do.
 
-*Reached* is a reading: the last stored frame is in tolerance. *Success* is the environment's verdict: in tolerance for
-five control steps in a row. The recorder stops when success latches, so the observation after the last action is never
-stored, and the two can differ.
+*Reached* is a reading: every goal holds in the last stored frame. *Success* is the environment's verdict, and may ask
+for more. A recorder that stops when success latches never stores the observation after the last action, and the two can
+differ.
 """
-
-from typing import NamedTuple
 
 import numpy as np
 
-from z2r.arrays import Array, Bools, Floats
-from z2r.format.schema import Schema
-from z2r.reading.angles import wrap_angle
-from z2r.reading.reading import Reading, named_columns, read_pose
+from z2r.arrays import Bools, Floats
+from z2r.reading.angles import turn_between, wrap_angle
+from z2r.reading.decode import Decoded
+from z2r.reading.goal import Goal
+from z2r.reading.poses import Pose
+from z2r.reading.reading import Reading
+
+type FrameErrors = dict[str, Floats]
+"""What each goal measures, by its name: ``pos_err`` [m], ``ang_err`` [rad] ..., each float64[n_frames]."""
 
 
-class FrameErrors(NamedTuple):
-    """How far the block is from the target: distance [m] and yaw [rad] in [0, pi], each float64[n_frames]."""
-
-    pos_err: Floats
-    ang_err: Floats
-
-
-def frame_errors(state: Array, reading: Reading, schema: Schema) -> FrameErrors:
-    """Measure how far the block is from the target in every frame.
+def frame_errors(decoded: Decoded) -> FrameErrors:
+    """Measure how far every frame is from each goal of the reading.
 
     Parameters
     ----------
-    state : ndarray, (n_frames, size of the feature)
-        Values of the feature that `reading` reads.
-    reading : Reading
-        What the columns mean.
-    schema : Schema
-        Where the columns stand.
+    decoded : Decoded
+        From `z2r.decode`.
+
+    Returns
+    -------
+    dict of str to ndarray, float64[n_frames]
+        By the names of the goals: a distance in the unit of the positions, a turn [rad] in [0, pi], or the value of a
+        column.
     """
-    columns = named_columns(state, reading, schema)
-    tee, target = read_pose(columns, reading.tee), read_pose(columns, reading.target)
-    pos_err = np.hypot(tee.x - target.x, tee.y - target.y)
-    turn = tee.yaw - target.yaw
-    ang_err = np.abs(wrap_angle(turn) if reading.wraps else turn)
-    return FrameErrors(pos_err, ang_err)
+    return {goal.name: _error(decoded, goal) for goal in decoded.reading.goal}
 
 
 def in_tolerance(errors: FrameErrors, reading: Reading) -> Bools:
-    """Tell for every frame whether both errors are within the reading's tolerances, bool[n_frames]."""
-    return (errors.pos_err <= reading.pos_tol) & (errors.ang_err <= reading.ang_tol)
+    """Tell for every frame whether all goals of the reading, at least one, hold, bool[n_frames]."""
+    fine: Bools = np.all([goal.holds(errors[goal.name]) for goal in reading.goal], axis=0)  # (n_goals, n_frames)
+    return fine
 
 
-def episode_reached(state: Array, reading: Reading, schema: Schema) -> bool:
-    """Tell whether an episode reached the target: its decisive frame, the last stored one, is in tolerance.
+def decisive_frame(n_frames: int, reading: Reading) -> int:
+    """Say which of an episode's frames decides whether it reached the goal."""
+    return n_frames - 1 if reading.decisive == "last" else 0
+
+
+def episode_reached(decoded: Decoded) -> bool:
+    """Tell whether an episode reached the goal: all goals hold in its decisive frame, which is the last stored one.
 
     Parameters
     ----------
-    state : ndarray, (n_frames, size of the feature)
-        The frames of one episode, at least one.
-    reading : Reading
-        What the columns mean.
-    schema : Schema
-        Where the columns stand.
+    decoded : Decoded
+        The frames of one episode, at least one, from `z2r.decode`.
     """
-    decisive_frame = state[-1:] if reading.decisive == "last" else state[:1]
-    return bool(in_tolerance(frame_errors(decisive_frame, reading, schema), reading)[0])
+    frame = decisive_frame(len(decoded), decoded.reading)
+    return bool(in_tolerance(frame_errors(decoded), decoded.reading)[frame])
+
+
+def _error(decoded: Decoded, goal: Goal) -> Floats:
+    if goal.column is not None:
+        return decoded.columns[goal.column]
+    one, other = (decoded.pose(name) for name in goal.poses)
+    return _distance(one, other) if goal.distance else _turn(one, other, goal.wraps)
+
+
+def _distance(one: Pose, other: Pose) -> Floats:
+    flat: Floats = np.hypot(one.x - other.x, one.y - other.y)
+    return flat if one.z is None or other.z is None else np.hypot(flat, one.z - other.z)
+
+
+def _turn(one: Pose, other: Pose, wraps: bool) -> Floats:
+    if one.quaternion is not None and other.quaternion is not None:
+        return turn_between(one.quaternion, other.quaternion)
+    assert one.yaw is not None
+    assert other.yaw is not None  # a reading lets two orientations of one kind alone be compared
+    turn = one.yaw - other.yaw
+    difference: Floats = np.abs(wrap_angle(turn) if wraps else turn)
+    return difference

@@ -1,8 +1,8 @@
 """What does a dataset look like, with nothing installed? Write one HTML page that shows it.
 
 The page needs no network, no server and no other file. Every number that sums the dataset up is in its HTML, worked out
-by the package, so that it reads with JavaScript off. The script in it (`z2r/page/page.js`) decodes the frames by the
-rules of `z2r.reading`, moves the picture, and shows what a wrong reading makes of it.
+by the package, so that it reads with JavaScript off. So is every number of a frame: the script in it
+(`z2r/show/page/page.js`) decodes nothing, it moves the picture, and shows what a wrong reading makes of it.
 
 Whatever comes from the dataset is data: it is escaped, and a content security policy lets nothing run but that script.
 """
@@ -13,11 +13,12 @@ from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 
-from z2r.arrays import Progress, no_progress
-from z2r.format.dataset import Dataset
-from z2r.show.page.content import read_content
+from z2r.format.schema import Schema
+from z2r.reading.inspection import Inspection
+from z2r.reading.scene import Scene
+from z2r.show.page.content import n_frames_for, read_content
 from z2r.show.page.markup import render
-from z2r.show.page.pictures import scene
+from z2r.show.page.pictures import scene as draw
 
 _MAX_FRAME_BYTES = 3_000_000  # of the frames in a page, which stays below 5 MB
 _MAX_FRAME_BYTES_IN_NOTEBOOK = 600_000  # what is shown in a notebook is saved in it
@@ -80,56 +81,56 @@ class Panel:
         )
 
 
-def write_report(dataset: Dataset, path: str | os.PathLike[str], progress: Progress = no_progress) -> Report:
+def write_report(inspection: Inspection, path: str | os.PathLike[str], scene: Scene | None = None) -> Report:
     """Write a page that shows a dataset.
 
     Parameters
     ----------
-    dataset : Dataset
-        From `z2r.load`.
+    inspection : Inspection
+        From `z2r.reading.inspection.inspect_dataset`, which was asked to keep as many frames as `n_frames_in_report`
+        says.
     path : str or path
         The .html file to write. One that is there is replaced; folders that are missing are made.
-    progress : callable, optional
-        Called with the number of frames done and the number of all, after each data file.
+    scene : Scene, optional
+        What the bodies look like.
 
     Raises
     ------
-    DatasetError
-        If a data file is missing, damaged, or not what the schema and the index say.
     ValueError
         If `path` is inside the dataset, which is never written to.
     """
     path = Path(path)
-    if path.resolve().is_relative_to(dataset.root.resolve()):
+    if path.resolve().is_relative_to(inspection.dataset.root.resolve()):
         raise ValueError(f"{path} is inside the dataset, which is never written to")
-    content = read_content(dataset, _MAX_FRAME_BYTES, progress)
+    content = read_content(inspection, _MAX_FRAME_BYTES, scene)
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(render(content), encoding="utf-8")
     return Report(path, len(content.shown), content.shown.n_frames, content.left_out)
 
 
-def panel(dataset: Dataset) -> Panel:
-    """Show a dataset in a notebook, as `write_report` shows it: put the call last in a cell.
+def panel(inspection: Inspection, scene: Scene | None = None) -> Panel:
+    """Show a dataset in a notebook, as `write_report` shows it; the inspection keeps `n_frames_in_panel` frames.
 
     Parameters
     ----------
-    dataset : Dataset
-        From `z2r.load`.
-
-    Raises
-    ------
-    DatasetError
-        If a data file is missing, damaged, or not what the schema and the index say.
-
-    Examples
-    --------
-    >>> import z2r
-    >>> z2r.panel(z2r.load(z2r.STANDIN))
-    Panel: standin, episodes: 6, frames: 427, reached the target: 6 of 6 (reconstructed)
+    inspection : Inspection
+        What was found in the dataset.
+    scene : Scene, optional
+        What the bodies look like.
     """
-    content = read_content(dataset, _MAX_FRAME_BYTES_IN_NOTEBOOK)
-    right = content.views[0]
-    reached = f", reached the target: {right.tally} (reconstructed)" if right.outcome else ""
-    still = scene(content, right.reading, "still") if right.reading else ""
-    counts = f"episodes: {len(dataset.episodes):,}, frames: {dataset.episodes.n_frames:,}"
+    content = read_content(inspection, _MAX_FRAME_BYTES_IN_NOTEBOOK, scene)
+    right, episodes = content.views[0], inspection.episodes
+    reached = f", reached {content.destination}: {right.outcome.tally} (reconstructed)" if right.outcome else ""
+    still = draw(content, right.reading, "still") if right.reading and right.reading.poses else ""
+    counts = f"episodes: {len(episodes):,}, frames: {episodes.n_frames:,}"
     return Panel(render(content), f"{content.title}, {counts}{reached}", still)
+
+
+def n_frames_in_report(schema: Schema) -> int:
+    """Say how many frames a page has room for."""
+    return n_frames_for(schema, _MAX_FRAME_BYTES)
+
+
+def n_frames_in_panel(schema: Schema) -> int:
+    """Say how many frames a page in a notebook has room for."""
+    return n_frames_for(schema, _MAX_FRAME_BYTES_IN_NOTEBOOK)

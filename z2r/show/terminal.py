@@ -36,11 +36,12 @@ def expectation(run: Run | None, unit: str) -> Text:
     return tier.append(f"expect {run.seconds:.2g} s (median of {run.runs} runs, {run.size:,} {unit})")
 
 
-def wrong_on_purpose(mode: BreakMode) -> Text:
+def wrong_on_purpose(mode: BreakMode, applies: bool = True) -> Text:
     """Say what is read wrong, and what that looks like."""
     return Text.assemble(
         (f"Reading it wrong on purpose: {mode.name}", "bold yellow"),
         f"\n  what is believed: {mode.assumption}\n  its signature:    {mode.signature}",
+        "" if applies else f"\n  here it changes nothing: it is about {mode.about}",
     )
 
 
@@ -132,10 +133,9 @@ def _schema_rows(inspection: Inspection) -> list[tuple[str, ...]]:
             rows.append((name, feature.dtype, _shape(inspection.schema, name), "", ""))
             continue
         low, high = inspection.ranges[name].low.min(axis=0), inspection.ranges[name].high.max(axis=0)
-        dims = feature.dim_names or tuple(f"[{i}]" for i in range(feature.size))
-        for i, dim in enumerate(dims):
-            first = (name, feature.dtype) if i == 0 else ("", "")
-            rows.append((*first, dim, f"{low[i]:.3f}", f"{high[i]:.3f}"))
+        for place, label in enumerate(feature.labels):
+            first = (name, feature.dtype) if place == 0 else ("", "")
+            rows.append((*first, label, f"{low[place]:.3f}", f"{high[place]:.3f}"))
     return rows
 
 
@@ -151,16 +151,15 @@ def _episode_table(inspection: Inspection) -> Table:
     for name in ("episode", "from", "length"):
         table.add_column(name, justify="right")
     table.add_column("", width=12)
-    if outcome:
-        for name in ("pos_err [m]", "ang_err [rad]", "reached"):
-            table.add_column(name, justify="right")
+    for name in _outcome_columns(inspection):
+        table.add_column(name, justify="right")
     for episode in range(min(len(episodes), MAX_ROWS)):
         length = int(episodes.lengths[episode])
         cells: list[RenderableType] = [str(episodes.number(episode)), str(episodes.from_index[episode]), str(length)]
         cells.append(Bar(longest, 0, length, color="blue"))
         if outcome:
             reached = bool(outcome.reached[episode])
-            cells += [f"{outcome.final_pos_err[episode]:.3f}", f"{outcome.final_ang_err[episode]:.3f}"]
+            cells += [f"{numbers[episode]:.3f}" for numbers in outcome.final_errors.values()]
             cells.append(Text("yes" if reached else "no", style="green" if reached else "red"))
         table.add_row(*cells)
     if len(episodes) > MAX_ROWS:
@@ -168,22 +167,35 @@ def _episode_table(inspection: Inspection) -> Table:
     return table
 
 
+def _outcome_columns(inspection: Inspection) -> list[str]:
+    """Name what is said of each episode's end: a column for each goal, and the answer."""
+    reading = inspection.reading
+    if inspection.outcome is None or reading is None:
+        return []
+    units = {goal.name: reading.unit(goal) for goal in reading.goal}
+    return [*(f"{name} [{unit}]" if unit else name for name, unit in units.items()), "reached"]
+
+
 def _reached(inspection: Inspection) -> Text:
     outcome, reading = inspection.outcome, inspection.reading
     if outcome is None or reading is None:
-        return Text(
-            f"no reading for success: the schema has no {', '.join(inspection.missing)} in observation.state",
-            style="yellow",
-        )
+        return Text(f"reached: unknown, {_why_unknown(inspection)}", style="yellow")
+    says = " and ".join(goal.says(reading.unit(goal)) for goal in reading.goal)
+    frame = "last stored" if reading.decisive == "last" else "first"
     return Text.assemble(
-        ("reached target: ", "bold"),
+        (f"reached {reading.destination}: ", "bold"),
         (f"{outcome.n_reached}/{len(outcome.reached)}", "bold green" if np.all(outcome.reached) else "bold yellow"),
-        f" ({outcome.success_rate:.0%})",
-        (
-            f"\nthat is: the last stored frame is within {reading.pos_tol} m and {reading.ang_tol} rad of the target",
-            "dim",
-        ),
+        f" ({outcome.share_reached:.0%})",
+        (f"\nthat is, as the reading {printable(reading.name)} has it: {says} in the {frame} frame", "dim"),
     )
+
+
+def _why_unknown(inspection: Inspection) -> str:
+    if inspection.reading is not None:
+        return f"for the reading {printable(inspection.reading.name)} has no goal"
+    if inspection.missing:
+        return f"for the schema lacks what the reading needs: {printable(', '.join(inspection.missing))}"
+    return "for no reading says what its columns mean: give one with --reading FILE"
 
 
 def console(quiet: bool = False) -> Console:

@@ -1,25 +1,25 @@
 """Exercises of `06_break_modes`: how do I know that I read it right?"""
 
 from collections.abc import Callable
-from dataclasses import astuple, is_dataclass
 
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle
 
+from z2r.api import inspect_dataset, load
 from z2r.course import figures
 from z2r.course.exercises._core import Case, judge_function, judge_prediction
 from z2r.data import STANDIN
-from z2r.format.dataset import load
 from z2r.format.schema import STATE, Feature, Schema
 from z2r.pusht import task
 from z2r.pusht.overlap import pusher_in_block
+from z2r.pusht.world import PUSHT
 from z2r.reading.breaks import break_mode
-from z2r.reading.inspection import inspect_dataset
-from z2r.reading.reading import PUSHT, PoseColumns
+from z2r.reading.decode import decode
+from z2r.reading.poses import YawColumns
 
-_OTHER = PoseColumns("box_x", "box_y", "sin_box", "cos_box")
+_OTHER = YawColumns(sin="sin_box", cos="cos_box")
 _SCHEMA = Schema("v3.0", 10, 1, 1, {STATE: Feature("float32", (10,), list(task.STATE_NAMES))}, "")
 # Pusher x, y and block x, y [m] and the block's yaw [degrees]; in none of them does the pusher touch the block.
 _PLACES = ((0.05, 0.1, 0.02, 0, 90), (0.05, 0.02, 0.05, -0.04, 0), (0, -0.07, 0.03, 0.02, -135), (-0.1, 0, 0, 0, 30))
@@ -62,31 +62,33 @@ def predict_yaw_swap(
     if said is None or said == truth:
         return None
     state = dataset.read(STATE)[dataset.episodes[1]]
-    return figures.right_and_wrong(state, PUSHT, mode.reading(PUSHT), dataset.schema)
+    return figures.right_and_wrong(
+        *(decode(state, reading, dataset.schema) for reading in (PUSHT, mode.reading(PUSHT)))
+    )
 
 
-def check_swap(function: Callable[[PoseColumns], object]) -> None:
-    """Try a function that exchanges the two yaw columns of a pose.
+def check_swap(function: Callable[[YawColumns], object]) -> None:
+    """Try a function that exchanges the two columns of a yaw.
 
     Parameters
     ----------
     function : callable
-        The learner's: takes a PoseColumns, returns one that names sine and cosine the wrong way round.
+        The learner's: takes a YawColumns, returns one that names sine and cosine the wrong way round.
     """
     cases = [
-        Case("the pose of the block", (PUSHT.tee,)),
-        Case("the pose of the target", (PUSHT.target,)),
-        Case("a pose with other names", (_OTHER,)),
+        Case("the yaw of the block", (PUSHT.poses["tee"].yaw,)),
+        Case("the yaw of the target", (PUSHT.poses["target"].yaw,)),
+        Case("a yaw with other names", (_OTHER,)),
     ]
 
-    def shown(pose: PoseColumns) -> object:
-        answer = function(pose)
-        return _pose(*astuple(answer)) if is_dataclass(answer) and isinstance(answer, PoseColumns) else answer
+    def shown(yaw: YawColumns) -> object:
+        answer = function(yaw)
+        return _shown(answer.sin, answer.cos) if isinstance(answer, YawColumns) else answer
 
-    def reference(pose: PoseColumns) -> str:
-        return _pose(pose.x, pose.y, pose.cos_yaw, pose.sin_yaw)
+    def reference(yaw: YawColumns) -> str:
+        return _shown(yaw.cos, yaw.sin)
 
-    hint = "x and y stay. sin_yaw is to be the name that pose.cos_yaw holds. And the other one?"
+    hint = "sin is to be the name that yaw.cos holds. And the other one?"
     judge_function(shown, reference, cases, hint)
 
 
@@ -127,13 +129,13 @@ def _metrics(n_frames: object, longest: object, n_reached: object, n_reached_eve
     return f"{n_frames} frames, the longest episode {longest}, {reached}"
 
 
-def _pose(x: str, y: str, sin_yaw: str, cos_yaw: str) -> str:
-    return f"x={x}, y={y}, sin_yaw={sin_yaw}, cos_yaw={cos_yaw}"
+def _shown(sin: str | None, cos: str | None) -> str:
+    return f"sin={sin}, cos={cos}"
 
 
 def _seen_from_block(pusher_x: float, pusher_y: float, x: float, y: float, yaw: float) -> tuple[float, float]:
     state = np.array([[pusher_x, pusher_y, x, y, np.sin(yaw), np.cos(yaw), 0.0, 0.0, 0.0, 1.0]])
-    across, along = pusher_in_block(state, PUSHT, _SCHEMA)
+    across, along = pusher_in_block(decode(state, PUSHT, _SCHEMA))
     return float(across[0]), float(along[0])
 
 
@@ -148,8 +150,7 @@ def _draw_around_block(expected: tuple[float, float], got: tuple[float, float]) 
     figure = plt.figure(figsize=(5, 5), layout="constrained", facecolor="#faf9f6")
     plt.close(figure)
     axes = figure.subplots()
-    boxes = ((task.BAR_CENTER, task.BAR_HALF_SIZE), (task.STEM_CENTER, task.STEM_HALF_SIZE))
-    for (x, y), (half_x, half_y, _) in boxes:
+    for (x, y), (half_x, half_y, _) in task.TEE:
         axes.add_patch(Rectangle((x - half_x, y - half_y), 2 * half_x, 2 * half_y, color="#b9c6d4"))
     for place, color, style, what in ((expected, "#0072b2", "-", "expected"), (got, "#d55e00", "--", "your answer")):
         axes.add_patch(Circle(place, task.PUSHER_RADIUS, fill=False, color=color, linestyle=style, linewidth=2))

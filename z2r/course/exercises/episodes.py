@@ -6,15 +6,16 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from z2r.api import inspect_dataset, load
 from z2r.arrays import Ints
 from z2r.course import figures
 from z2r.course.exercises._core import NOT_YET, Case, judge_function, judge_prediction
 from z2r.data import MESSY, STANDIN
-from z2r.format.dataset import Dataset, load
+from z2r.format.dataset import Dataset
 from z2r.format.episodes import EpisodeIndex
+from z2r.pusht.world import PUSHT
 from z2r.reading.breaks import break_mode
-from z2r.reading.inspection import inspect_dataset
-from z2r.reading.reading import PUSHT, named_columns, read_pose
+from z2r.reading.decode import decode
 
 
 def check_episode_length(function: Callable[..., Any]) -> None:
@@ -92,9 +93,9 @@ def check_without_index(prediction: tuple[int, float] | None, dataset: Dataset) 
     why = (
         "All frames have become one episode, and only the last frame of the dataset is asked. "
         f"Read with the index, {right.n_reached} of {len(right.reached)} reached the target: "
-        f"{right.success_rate:.2f}."
+        f"{right.share_reached:.2f}."
     )
-    judge_prediction(prediction, (len(wrong.episodes), wrong.outcome.success_rate), why)
+    judge_prediction(prediction, (len(wrong.episodes), wrong.outcome.share_reached), why)
 
 
 def _cut(frames: Ints, index: EpisodeIndex, episode: int) -> Ints:
@@ -111,6 +112,7 @@ def _last_frames(dataset: Dataset, episode: int, answer: object) -> Figure | Non
     if own.start <= last < own.stop or not 0 <= last < dataset.episodes.n_frames:
         return None
     state = dataset.read(PUSHT.feature)[[own.stop - 1, last]]
-    tee = read_pose(named_columns(state, PUSHT, dataset.schema), PUSHT.tee)
-    right, wrong = zip(tee.x.tolist(), tee.y.tolist(), tee.yaw.tolist(), strict=True)
+    ends = decode(state, PUSHT, dataset.schema)
+    tee = ends.pose("tee")
+    right, wrong = zip(tee.x.tolist(), tee.y.tolist(), ends.yaw("tee").tolist(), strict=True)
     return figures.two_poses(right, wrong)

@@ -9,16 +9,18 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
+from z2r.api import load
 from z2r.arrays import Floats
 from z2r.audits.audit import audit
 from z2r.course import figures
 from z2r.course.damage import delay_actions, shift_ranges, swap_sine_and_cosine
 from z2r.course.exercises._core import NOT_ATTEMPTED, NOT_YET, RIGHT, Case, judge_function
 from z2r.data import MESSY, STANDIN
-from z2r.format.dataset import Dataset, load
+from z2r.format.dataset import Dataset
 from z2r.format.episodes import EpisodeIndex
 from z2r.format.schema import ACTION, STATE
-from z2r.reading.reading import PUSHT, named_columns, read_pose
+from z2r.pusht.world import PUSHT
+from z2r.reading.decode import decode
 
 # Every suspect, and what one would see of it.
 SUSPECTS = {
@@ -139,7 +141,7 @@ def check_match(function: Callable[..., Any]) -> Figure | None:
 
 
 def _block(dataset: Dataset) -> tuple[Floats, Floats, EpisodeIndex]:
-    tee = read_pose(named_columns(dataset.read(STATE), PUSHT, dataset.schema), PUSHT.tee)
+    tee = decode(dataset.read(STATE), PUSHT, dataset.schema).pose("tee")
     return tee.x, tee.y, dataset.episodes
 
 
@@ -156,8 +158,8 @@ def _longest_steps_as_handed_out(x: Floats, y: Floats, episodes: EpisodeIndex) -
 def _motion(dataset: Dataset, episode: int) -> tuple[Floats, Floats]:
     """Return the action along x in each frame of an episode, and the velocity from each frame to the next."""
     part = dataset.episodes[episode]
-    x = named_columns(dataset.read(STATE)[part], PUSHT, dataset.schema)[PUSHT.pusher[0]]
-    [place] = dataset.schema.columns(ACTION, PUSHT.velocity[:1])
+    x = decode(dataset.read(STATE)[part], PUSHT, dataset.schema).pose("pusher").x
+    [place] = dataset.schema.columns(ACTION, ["pusher_vx"])
     return dataset.read(ACTION)[part][:, place].astype(np.float64), np.diff(x) * dataset.schema.fps
 
 

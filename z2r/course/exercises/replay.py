@@ -5,14 +5,16 @@ from collections.abc import Callable
 import numpy as np
 from matplotlib.figure import Figure
 
+from z2r.api import load
 from z2r.arrays import Floats
 from z2r.course import figures
 from z2r.course.exercises._core import NOT_YET, Case, judge_function, judge_prediction
 from z2r.data import STANDIN
-from z2r.format.dataset import load
+from z2r.pusht.world import PUSHT
+from z2r.reading.angles import yaw_quaternions
 from z2r.reading.breaks import break_mode
-from z2r.reading.reading import PUSHT, Reading, named_columns, read_pose
-from z2r.show.replay import yaw_quaternions
+from z2r.reading.decode import decode
+from z2r.reading.reading import Reading
 
 _ALIKE = ("neither", "yaw", "position", "both")
 _TURNS = (60, -90, 150, -165, 0)  # degrees
@@ -41,13 +43,17 @@ def predict_same_rows(prediction: str | None) -> Figure | None:
     state = dataset.read(PUSHT.feature)[dataset.episodes[1]]
 
     def block(reading: Reading) -> tuple[Floats, Floats]:
-        pose = read_pose(named_columns(state, reading, dataset.schema), reading.tee)
-        return np.stack([pose.x, pose.y]), pose.yaw
+        decoded = decode(state, reading, dataset.schema)
+        return np.stack(decoded.pose("tee")[:2]), decoded.yaw("tee")
 
     alike = [np.allclose(one, other) for one, other in zip(block(PUSHT), block(wrong), strict=True)]
     truth = _ALIKE[2 * alike[0] + alike[1]]
     judge_prediction(said, truth, "The swap exchanges the sine and the cosine of the yaw. It does not touch x and y.")
-    return None if said in (None, ..., truth) else figures.right_and_wrong(state, PUSHT, wrong, dataset.schema)
+    return (
+        None
+        if said in (None, ..., truth)
+        else figures.right_and_wrong(*(decode(state, reading, dataset.schema) for reading in (PUSHT, wrong)))
+    )
 
 
 def check_sim_time(function: Callable[[int, float], object]) -> None:

@@ -7,13 +7,14 @@ import msgspec
 import numpy as np
 from matplotlib.figure import Figure
 
+from z2r.api import load
 from z2r.arrays import Array
 from z2r.course import figures
 from z2r.course.exercises._core import Case, judge_function, judge_prediction
 from z2r.data import STANDIN
-from z2r.format.dataset import load
 from z2r.format.schema import ACTION, BOOKKEEPING, STATE, Schema
-from z2r.reading.reading import PUSHT, named_columns, read_pose
+from z2r.pusht.world import PUSHT
+from z2r.reading.decode import decode
 
 _EVERY = 30  # frames: few enough rows that an answer can be printed, and the block has moved between them
 
@@ -80,11 +81,11 @@ def check_block_position(function: Callable[..., Any]) -> Figure | None:
     if case is None:
         return None
     state, schema = case.args
-    tee = read_pose(named_columns(state[:1], PUSHT, schema), PUSHT.tee)
+    tee = decode(state[:1], PUSHT, schema).pose("tee")
     got = _as_positions(function(state, schema))
     if got is None:
         return None
-    yaw = float(tee.yaw[0])
+    yaw = float(decode(state[:1], PUSHT, schema).yaw("tee")[0])
     return figures.two_poses((float(tee.x[0]), float(tee.y[0]), yaw), (got[0], got[1], yaw), label="your block")
 
 

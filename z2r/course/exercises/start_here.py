@@ -4,11 +4,10 @@ from collections.abc import Callable
 
 import numpy as np
 
+from z2r.api import inspect_dataset, load
 from z2r.course.exercises._core import Case, judge_function, judge_prediction
 from z2r.data import STANDIN
-from z2r.format.dataset import load
 from z2r.reading.breaks import break_mode
-from z2r.reading.inspection import inspect_dataset
 
 
 def check_yaw_swap(prediction: int | None) -> None:

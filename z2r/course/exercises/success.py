@@ -1,7 +1,6 @@
 """Exercises of `04_hidden_success`: how many reached the target?"""
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -9,13 +8,15 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from z2r.api import load
 from z2r.arrays import Array, Floats
 from z2r.course import figures
 from z2r.course.exercises._core import Case, judge_function, judge_prediction
 from z2r.data import MESSY, STANDIN
-from z2r.format.dataset import Dataset, load
+from z2r.format.dataset import Dataset
+from z2r.pusht.world import PUSHT
 from z2r.reading.angles import decode_yaw, wrap_angle
-from z2r.reading.reading import PUSHT, named_columns
+from z2r.reading.decode import decode, named_columns
 from z2r.reading.success import FrameErrors, frame_errors, in_tolerance
 
 _LOOSER_POS_TOL = 0.04  # m
@@ -39,11 +40,14 @@ def check_looser(prediction: int | None) -> Figure | None:
     """
     dataset, state = _read(MESSY)
     last = state[dataset.episodes.to_index - 1]
-    looser = replace(PUSHT, pos_tol=_LOOSER_POS_TOL)
+    looser = PUSHT.with_goal("pos_err", within=_LOOSER_POS_TOL)
     before, after = (
-        int(in_tolerance(frame_errors(last, reading, dataset.schema), reading).sum()) for reading in (PUSHT, looser)
+        int(in_tolerance(frame_errors(decode(last, reading, dataset.schema)), reading).sum())
+        for reading in (PUSHT, looser)
     )
-    why = f"Within {PUSHT.pos_tol} m it is {before}. Not one frame has changed: a count belongs to its tolerances."
+    why = (
+        f"Within {PUSHT.goal[0].within} m it is {before}. Not one frame has changed: a count belongs to its tolerances."
+    )
     judge_prediction(prediction, after, why)
     return figures.final_poses(dataset, looser) if isinstance(prediction, int) else None
 
@@ -108,15 +112,15 @@ def check_episode_reached(function: Callable[..., Any]) -> Figure | None:
         "episode 0 of standin": solved,
         "episode 2 of messy": _errors(MESSY, 2),
         "episode 10 of messy": _errors(MESSY, 10),
-        "episode 0 of standin played backwards": FrameErrors(solved.pos_err[::-1], solved.ang_err[::-1]),
-        "episode 0 of standin with ang_err larger by 0.4 rad": FrameErrors(solved.pos_err, solved.ang_err + 0.4),
+        "episode 0 of standin played backwards": {name: values[::-1] for name, values in solved.items()},
+        "episode 0 of standin with ang_err larger by 0.4 rad": solved | {"ang_err": solved["ang_err"] + 0.4},
     }
-    cases = [Case(what, tuple(errors)) for what, errors in trials.items()]
+    cases = [Case(what, tuple(errors.values())) for what, errors in trials.items()]
     hint = "One frame decides, and both of its errors count"
     wrong = judge_function(judge, _reached, cases, f"{hint}: which frame, and how many tolerances are there?")
     if wrong is None:
         return None
-    return figures.error_traces(FrameErrors(*wrong.args), PUSHT, _read(STANDIN)[0].schema.fps)
+    return figures.error_traces(dict(zip(solved, wrong.args, strict=True)), PUSHT, _read(STANDIN)[0].schema.fps)
 
 
 @cache
@@ -127,7 +131,7 @@ def _read(root: Path) -> tuple[Dataset, Array]:
 
 def _errors(root: Path, episode: int) -> FrameErrors:
     dataset, state = _read(root)
-    return frame_errors(state[dataset.episodes[episode]], PUSHT, dataset.schema)
+    return frame_errors(decode(state[dataset.episodes[episode]], PUSHT, dataset.schema))
 
 
 def _frame(root: Path, episode: int, number: int) -> _Frame:
@@ -140,7 +144,7 @@ def _frame(root: Path, episode: int, number: int) -> _Frame:
 def _both_errors(frame: _Frame) -> Floats:
     dataset, _ = _read(STANDIN)
     state = np.array([[frame[name] for name in dataset.schema.features[PUSHT.feature].dim_names]])
-    return np.concatenate(frame_errors(state, PUSHT, dataset.schema))
+    return np.concatenate([*frame_errors(decode(state, PUSHT, dataset.schema)).values()])
 
 
 def _errors_as_handed_out(frame: _Frame) -> Floats:
@@ -151,4 +155,4 @@ def _errors_as_handed_out(frame: _Frame) -> Floats:
 
 
 def _reached(pos_err: Floats, ang_err: Floats) -> bool:
-    return bool(in_tolerance(FrameErrors(pos_err, ang_err), PUSHT)[-1])
+    return bool(in_tolerance({"pos_err": pos_err, "ang_err": ang_err}, PUSHT)[-1])

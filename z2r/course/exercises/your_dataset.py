@@ -9,14 +9,13 @@ import msgspec
 import numpy as np
 from matplotlib.figure import Figure
 
+from z2r.api import inspect_dataset, load
 from z2r.arrays import Array, Floats
 from z2r.course import figures
 from z2r.course.exercises._core import Case, judge_function, judge_prediction
 from z2r.data import MESSY, STANDIN
-from z2r.format.dataset import load
 from z2r.format.episodes import EpisodeIndex
 from z2r.format.schema import ACTION, INFO_PATH, STATE
-from z2r.reading.inspection import inspect_dataset
 
 
 def predict_other_robot(prediction: str | None) -> None:

@@ -31,8 +31,8 @@ from z2r.pusht.task import (
     TARGET_POSE,
     TEE_Z,
     WALL,
-    in_tolerance,
 )
+from z2r.pusht.world import in_tolerance
 from z2r.reading.angles import wrap_angle
 
 TEE_DENSITY = 1000.0  # kg/m^3: a plastic block of 0.19 kg

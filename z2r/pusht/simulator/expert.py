@@ -23,20 +23,15 @@ from numpy.typing import ArrayLike, NDArray
 from z2r.arrays import Floats
 from z2r.pusht.task import (
     ANG_TOL,
-    BAR_CENTER,
-    BAR_HALF_SIZE,
     CONTROL_HZ,
     POS_TOL,
     PUSHER_RADIUS,
     STATE_NAMES,
-    STEM_CENTER,
-    STEM_HALF_SIZE,
     WALL,
-    in_tolerance,
 )
+from z2r.pusht.world import TEE_BOXES, in_tolerance
 from z2r.reading.angles import decode_yaw, wrap_angle
 
-Array = Floats
 Phase = Literal["approach", "shove", "correct", "hold"]
 
 BLOCK_RADIUS = 0.05  # m: R above, the root of yaw damping over slide damping in the simulator
@@ -63,46 +58,43 @@ LENGTHS = np.concatenate((np.arange(0.0, 0.04, 0.002), np.arange(0.04, 0.4, 0.01
 CONTACT_SPACING = 0.015  # m: between neighbouring contacts on a face
 CONTACT_INSET = 0.010  # m: from a contact to the end of its face, at least
 
-_BOXES = tuple(
-    (np.array(center), np.array(half_size[:2]))
-    for center, half_size in ((BAR_CENTER, BAR_HALF_SIZE), (STEM_CENTER, STEM_HALF_SIZE))
-)
+_BOXES = tuple((np.array(box.center), np.array(box.half_size[:2])) for box in TEE_BOXES)
 
 
 class View(NamedTuple):
     """What one observation says: `pose` and `target` are (x, y, yaw), `pusher` is (x, y) in the frame of the block."""
 
-    pose: Array
-    target: Array
-    pusher: Array
+    pose: Floats
+    target: Floats
+    pusher: Floats
 
 
-def _clearance(points: Array) -> Array:
+def _clearance(points: Floats) -> Floats:
     """Distance [m] of `points` (..., 2), in the frame of the block, from its outline: shape (...), negative inside."""
     distances = []
     for center, half_size in _BOXES:
         beyond = np.abs(points - center) - half_size
         outside = np.linalg.norm(np.maximum(beyond, 0.0), axis=-1)
         distances.append(outside + np.minimum(beyond.max(axis=-1), 0.0))
-    nearest: Array = np.minimum(*distances)
+    nearest: Floats = np.minimum(*distances)
     return nearest
 
 
-def _away(point: Array) -> Array:
+def _away(point: Floats) -> Floats:
     """Direction (2,) in which `point` (2,), in the frame of the block, gets away from the block fastest."""
     step = 1e-4 * np.eye(2)
     slope = _clearance(point + step) - _clearance(point - step)
-    direction: Array = slope / max(float(np.linalg.norm(slope)), 1e-9)
+    direction: Floats = slope / max(float(np.linalg.norm(slope)), 1e-9)
     return direction
 
 
-def _rotate(vectors: Array, yaw: Array | float) -> Array:
+def _rotate(vectors: Floats, yaw: Floats | float) -> Floats:
     """Turn `vectors` (..., 2) counter-clockwise by `yaw` [rad]."""
     x, y = vectors[..., 0], vectors[..., 1]
     return np.stack((np.cos(yaw) * x - np.sin(yaw) * y, np.sin(yaw) * x + np.cos(yaw) * y), axis=-1)
 
 
-def _distances(starts: Array, ends: Array, pose: Array) -> Array:
+def _distances(starts: Floats, ends: Floats, pose: Floats) -> Floats:
     """Distance [m] between `starts` and `ends`, both (..., 2) in the frame of a block at `pose` (3,).
 
     Infinite where the block is in the straight way, or where the end is too close to a wall for the pusher.
@@ -114,7 +106,7 @@ def _distances(starts: Array, ends: Array, pose: Array) -> Array:
     return np.where(clear & fits, np.linalg.norm(ends - starts, axis=-1), np.inf)
 
 
-def _find_contacts() -> tuple[Array, Array]:
+def _find_contacts() -> tuple[Floats, Floats]:
     """Contacts (C, 2): the pusher's centre where it touches a face, evenly spaced, and (C, 2): that face's normal in.
 
     Those are left out where the pusher cannot wait: inside the T, and too deep in the corners between bar and stem.
@@ -133,12 +125,12 @@ def _find_contacts() -> tuple[Array, Array]:
     return touches[reachable], normals[reachable]
 
 
-def _find_corners() -> Array:
+def _find_corners() -> Floats:
     """Where the pusher turns on its way around the block: (6, 2), diagonally off the outer corners of the T."""
     diagonals = np.array(((-1, -1), (-1, 1), (1, 1), (1, -1)))
     gap = PUSHER_RADIUS + WIDE_GAP
     corners = np.concatenate([center + (half_size + gap) * diagonals for center, half_size in _BOXES])
-    outer: Array = corners[_clearance(corners) >= gap]
+    outer: Floats = corners[_clearance(corners) >= gap]
     return outer
 
 
@@ -150,7 +142,7 @@ _LEVER = TOUCH[:, 0] * INWARD[:, 1] - TOUCH[:, 1] * INWARD[:, 0]
 TWIST = np.column_stack((INWARD, _LEVER / BLOCK_RADIUS**2)) / (1 + (_LEVER / BLOCK_RADIUS) ** 2)[:, None]
 
 
-def predict_push(pose: Array, twist: Array, length: Array) -> Array:
+def predict_push(pose: Floats, twist: Floats, length: Floats) -> Floats:
     """Predict where a push leaves the block.
 
     Parameters
@@ -173,14 +165,14 @@ def predict_push(pose: Array, twist: Array, length: Array) -> Array:
     return np.concatenate((pose[:2] + _rotate(chord, pose[2] + turn / 2), (pose[2] + turn)[..., None]), axis=-1)
 
 
-def _pose_error(pose: Array, target: Array) -> Array:
+def _pose_error(pose: Floats, target: Floats) -> Floats:
     """Distance [m] between poses (..., 3) and a target (3,), with yaw weighed in by ``YAW_WEIGHT``: shape (...)."""
     off = pose - target
-    distance: Array = np.sqrt(off[..., 0] ** 2 + off[..., 1] ** 2 + (YAW_WEIGHT * wrap_angle(off[..., 2])) ** 2)
+    distance: Floats = np.sqrt(off[..., 0] ** 2 + off[..., 1] ** 2 + (YAW_WEIGHT * wrap_angle(off[..., 2])) ** 2)
     return distance
 
 
-def _ways_around(start: Array, ends: Array, pose: Array) -> tuple[Array, Array]:
+def _ways_around(start: Floats, ends: Floats, pose: Floats) -> tuple[Floats, Floats]:
     """Find the shortest ways for the pusher around a block at `pose` (3,): straight, or from corner to corner.
 
     From `start` (2,) to each of `ends` (N, 2), both in the frame of the block. Returns the lengths [m] of the ways,
@@ -225,12 +217,12 @@ def _length_left(view: View, contact: int) -> float:
     return float(LENGTHS[_pose_error(outcome, view.target).argmin()])
 
 
-def _let_go(pusher: Array) -> Array:
+def _let_go(pusher: Floats) -> Floats:
     """Displacement (2,) [m] that takes the pusher off the block; zero when it is far enough."""
     return max(PUSHER_RADIUS + WIDE_GAP - float(_clearance(pusher)), 0.0) * _away(pusher)
 
 
-def _gap_and_slip(pusher: Array, contact: int) -> tuple[float, float]:
+def _gap_and_slip(pusher: Floats, contact: int) -> tuple[float, float]:
     """Where the pusher is, seen from a contact: its distance [m] from the face, and along the face."""
     off, normal = pusher - TOUCH[contact], INWARD[contact]
     return float(-off @ normal), float(normal[0] * off[1] - normal[1] * off[0])
@@ -252,7 +244,7 @@ class ScriptedExpert:
         """Forget the last episode."""
         self.phase: Phase = "hold"  # until the first observation says that there is something to do
         self._contact = 0  # row of TOUCH
-        self._velocity: Array = np.zeros(2)  # commanded last [m/s]
+        self._velocity: Floats = np.zeros(2)  # commanded last [m/s]
 
     def __call__(self, observation: ArrayLike) -> NDArray[np.float32]:
         """Choose the next action.
@@ -278,7 +270,7 @@ class ScriptedExpert:
         self._velocity = self._velocity + change * min(1.0, allowed / max(float(np.linalg.norm(change)), allowed))
         return self._velocity.astype(np.float32)
 
-    def _decide(self, view: View) -> Array:
+    def _decide(self, view: View) -> Floats:
         """Move on to the phase that the view asks for; return its velocity (2,) [m/s] in the frame of the block."""
         pushing = self.phase in ("shove", "correct") and not self._is_over(view)
         if self._is_there(view, share=THERE if pushing else 1.0):
@@ -307,18 +299,18 @@ class ScriptedExpert:
         gap, slip = _gap_and_slip(view.pusher, self._contact)
         return _length_left(view, self._contact) < NOTHING_LEFT or abs(slip) > SLIPPED or gap > 2 * WIDE_GAP
 
-    def _approach(self, view: View) -> Array:
+    def _approach(self, view: View) -> Floats:
         """Velocity (2,) that lets go of the block, then goes around it, then settles where the push will start."""
         if _clearance(view.pusher) < PUSHER_RADIUS + NEAR_GAP:
             return APPROACH_SPEED * _away(view.pusher)
         wait = WAIT[self._contact]
         _, heads = _ways_around(view.pusher, wait[None], view.pose)
-        way: Array = heads[0] - view.pusher
+        way: Floats = heads[0] - view.pusher
         distance = max(float(np.linalg.norm(way)), 1e-9)
         settles = (heads[0] == wait).all()  # and only turns at a corner, without slowing down
         return way * min(APPROACH_SPEED / distance, SETTLE_RATE if settles else np.inf)
 
-    def _push(self, view: View) -> Array:
+    def _push(self, view: View) -> Floats:
         """Velocity (2,) that pushes along the normal, ever more slowly, and keeps to the contact as the block turns."""
         gap, slip = _gap_and_slip(view.pusher, self._contact)
         left = _length_left(view, self._contact) + max(gap, 0.0)
@@ -326,5 +318,5 @@ class ScriptedExpert:
         speed = float(np.clip(SETTLE_RATE * left, SLOWEST_SPEED, fastest))
         normal = INWARD[self._contact]
         along_face = np.array((-normal[1], normal[0]))
-        velocity: Array = speed * normal - SETTLE_RATE * slip * along_face
+        velocity: Floats = speed * normal - SETTLE_RATE * slip * along_face
         return velocity

@@ -1,32 +1,32 @@
 """What goes into a page: the summary, the readings, and the frames that it has room for."""
 
-import base64
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from functools import cached_property
 
 import numpy as np
 
-from z2r.arrays import Array, Columns, Progress, no_progress
+from z2r.arrays import Columns, Ints
 from z2r.errors import printable
-from z2r.format.dataset import Dataset, map_files
-from z2r.format.episodes import DataFile, EpisodeIndex
-from z2r.format.schema import ACTION, Feature
+from z2r.format.dataset import Dataset
+from z2r.format.episodes import EpisodeIndex
+from z2r.format.schema import Schema
+from z2r.reading.bodies import Body, bodies_of
 from z2r.reading.breaks import BreakMode, break_mode
-from z2r.reading.inspection import Inspection, Outcome, inspect_dataset
-from z2r.reading.reading import PoseColumns, Reading
-from z2r.reading.success import frame_errors, in_tolerance
+from z2r.reading.decode import Decoded, decode
+from z2r.reading.goal import Goal
+from z2r.reading.inspection import Inspection, Outcome, beginning, outcome_of
+from z2r.reading.reading import Reading
+from z2r.reading.scene import Scene
 
 WRONG_READINGS = ("yaw-swap", "yaw-swap-everywhere", "drop-boundaries")
 
-LONGEST_PATH = 2000  # frames: of a longer one, this many are drawn, which any browser does between two frames
-
-_MAX_EPISODES = 500  # to pick from: more are no list
+MAX_EPISODES = 500  # to pick from: more are no list
+_DERIVED = 12  # columns: what a few readings of two bodies add to the frames
 
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """The dataset as one reading has it, its episodes side by side; without a reading, there is no outcome either."""
+    """The dataset as one reading has it, its episodes side by side; without a goal, there is no outcome either."""
 
     mode: BreakMode | None
     reading: Reading | None
@@ -38,94 +38,129 @@ class View:
         """Name of the break mode, or ``right``."""
         return self.mode.name if self.mode else "right"
 
-    @property
-    def tally(self) -> str:
-        """How many episodes reached the target, of how many; empty where nobody can say."""
-        return f"{self.outcome.n_reached:,} of {len(self.outcome.reached):,}" if self.outcome else ""
-
 
 @dataclass(frozen=True, eq=False)
 class Content:
-    """What a page is made of: the summary, the views, and the frames of the episodes that it shows."""
+    """What a page is made of: the summary, the views, and the frames of the episodes that it shows.
+
+    Attributes
+    ----------
+    title : str
+        Name of the dataset.
+    inspection : Inspection
+        The summary of all of it.
+    scene : Scene or None
+        What the bodies look like.
+    views : list of View
+        The right one first.
+    shown : EpisodeIndex
+        The episodes whose frames are there, side by side from 0.
+    frames : Columns
+        Their frames.
+    left_out : str
+        Which episodes are not there, in a sentence; empty where all are.
+    """
 
     title: str
     inspection: Inspection
+    scene: Scene | None
     views: list[View]
     shown: EpisodeIndex
     frames: Columns
     left_out: str
 
     @property
+    def schema(self) -> Schema:
+        """Fact one."""
+        return self.inspection.schema
+
+    @property
     def columns(self) -> list[tuple[str, str]]:
         """Feature and dimension of every column of `frames`, in order."""
-        features = self.inspection.schema.features
-        return [(name, dim) for name in self.frames for dim in dims(features[name])]
+        return [(name, dim) for name in self.frames for dim in self.schema.features[name].labels]
+
+    @cached_property
+    def bodies(self) -> dict[str, Body]:
+        """A body for every pose of the reading; none where there is no reading."""
+        reading = self.inspection.reading
+        return bodies_of(reading, self.scene.bodies if self.scene else {}) if reading else {}
+
+    def decoded(self, reading: Reading) -> Decoded:
+        """Return the shown frames as a reading has them."""
+        return decode(self.frames, reading, self.schema)
+
+    def place(self, feature: str, dim: int) -> int:
+        """Say which of `columns` a dimension is."""
+        names = list(self.frames)
+        before = names[: names.index(feature)]
+        return sum(self.schema.features[name].size for name in before) + dim
+
+    def label(self, pose: str) -> str:
+        """Say what to call the body of a pose, or what a goal is about."""
+        return self.bodies[pose].label if pose in self.bodies else pose
+
+    @property
+    def destination(self) -> str:
+        """What is to be reached, with its article."""
+        reading = self.inspection.reading
+        label = self.label(reading.destination) if reading else "the goal"
+        return label if label.startswith("the ") else f"the {label}"
+
+    def goal_title(self, goal: Goal) -> str:
+        """Say what a goal measures, in the words of the bodies."""
+        if goal.distance:
+            return f"Distance to the {self.label(goal.distance[1])}"
+        if goal.turn:
+            return f"Turned away from the {self.label(goal.turn[1])}"
+        return goal.name if goal.column == goal.name else f"{goal.name}: {goal.column}"
 
 
-def dims(feature: Feature) -> tuple[str, ...]:
-    """Return what to call each dimension of a feature: its name, or else its place."""
-    return feature.dim_names or tuple(f"[{i}]" for i in range(feature.size))
+def n_frames_for(schema: Schema, max_bytes: int) -> int:
+    """Say how many frames, 4 bytes a number, fit into a page; at least one."""
+    n_columns = sum(feature.size for feature in schema.signals().values()) + _DERIVED
+    return max(max_bytes // (4 * n_columns), 1)
 
 
-def formula(pose: PoseColumns) -> str:
-    """Return how a reading decodes a yaw, such as ``atan2(sin_tee_yaw, cos_tee_yaw)``."""
-    return f"atan2({pose.sin_yaw}, {pose.cos_yaw})"
-
-
-def read_content(dataset: Dataset, max_bytes: int, progress: Progress = no_progress) -> Content:
-    """Read a dataset, and keep as many frames of its first episodes as fit.
+def read_content(inspection: Inspection, max_bytes: int, scene: Scene | None = None) -> Content:
+    """Put together what a page shows.
 
     Parameters
     ----------
-    dataset : Dataset
-        From `z2r.load`.
+    inspection : Inspection
+        From `z2r.reading.inspection.inspect_dataset`, which was asked to keep as many frames as `n_frames_for` says.
     max_bytes : int
-        How large the frames that are kept may be.
-    progress : callable, optional
-        Called with the number of frames done and the number of all, after each data file.
-
-    Raises
-    ------
-    DatasetError
-        If a data file is missing, damaged, or not what the schema and the index say.
+        How large the frames may be.
+    scene : Scene, optional
+        What the bodies look like.
     """
-    inspection = inspect_dataset(dataset, progress=progress)
-    features = list(dataset.schema.signals())
-    dtype_size = _dtype(inspection).itemsize
-    n_columns = sum(dataset.schema.features[name].size for name in features)
-    views = _views(dataset, inspection)
-    shown = _episodes_to_show(views[0].episodes, max(max_bytes // max(dtype_size * n_columns, 1), 1))
-    beginning = dataset.first(len(shown))
-    parts = map_files(beginning, features, lambda _, frames: frames)
-    rows = beginning.episodes.frame_numbers[: shown.n_frames]
+    dataset = inspection.dataset
+    # Where a dataset was salvaged, there are other frames between its episodes: they stand side by side here.
+    packed = replace(dataset, episodes=side_by_side(dataset.episodes))
+    room = n_frames_for(dataset.schema, max_bytes) * 4 // dtype_of(inspection).itemsize
+    kept = inspection.shown.only(slice(MAX_EPISODES))
+    shown = beginning(side_by_side(kept), max(room, 1))
+    rows = kept.frame_numbers[: shown.n_frames]
     return Content(
         title=printable(dataset.root.resolve().name),
         inspection=inspection,
-        views=views,
+        scene=scene,
+        views=_views(inspection, packed),
         shown=shown,
-        frames={name: np.concatenate([part[name] for part in parts])[rows] for name in features},
+        frames={name: values[rows] for name, values in inspection.kept.items()},
         left_out=_left_out(dataset.episodes, shown),
     )
 
 
-def _side_by_side(episodes: EpisodeIndex) -> EpisodeIndex:
-    """Count frames over the episodes alone: where a dataset was salvaged, there are others between them."""
+def side_by_side(episodes: EpisodeIndex) -> EpisodeIndex:
+    """Count frames over the episodes alone."""
     ends = np.cumsum(episodes.lengths)
     return EpisodeIndex(ends - episodes.lengths, ends, episodes.numbers)
 
 
-def _dtype(inspection: Inspection) -> np.dtype[Any]:
+def dtype_of(inspection: Inspection) -> np.dtype[np.generic]:
     """Return the type that holds every value as it is: float32, or float64 where a feature needs it."""
     dtype = np.result_type(np.float32, *(ranges.low.dtype for ranges in inspection.ranges.values()))
     return np.dtype("<f4" if dtype == np.float32 else "<f8")
-
-
-def _episodes_to_show(episodes: EpisodeIndex, max_frames: int) -> EpisodeIndex:
-    """Return the first episodes, as many as fit; of a longer first one, its beginning."""
-    fitting = int(np.searchsorted(episodes.to_index, max_frames, side="right"))
-    n_episodes = min(max(fitting, 1), _MAX_EPISODES)
-    shown = episodes.only(slice(n_episodes))
-    return replace(shown, to_index=np.minimum(shown.to_index, max_frames))
 
 
 def _left_out(episodes: EpisodeIndex, shown: EpisodeIndex) -> str:
@@ -141,71 +176,34 @@ def _left_out(episodes: EpisodeIndex, shown: EpisodeIndex) -> str:
     return " ".join([*sentences, "The sums and the ribbon cover every episode."])
 
 
-def _views(dataset: Dataset, inspection: Inspection) -> list[View]:
-    packed = replace(dataset, episodes=_side_by_side(dataset.episodes))
+def _views(inspection: Inspection, packed: Dataset) -> list[View]:
     right = View(None, inspection.reading, packed.episodes, inspection.outcome)
-    if inspection.reading is None:
-        return [right]
-    last = _last_frames(dataset, inspection.reading.feature)
-    return [right, *(_wrong_view(packed, inspection.reading, break_mode(name), last) for name in WRONG_READINGS)]
+    modes = [break_mode(name) for name in WRONG_READINGS] if inspection.outcome else []
+    return [right, *(wrong_view(inspection, packed, mode) for mode in modes if mode.applies_to(inspection.reading))]
 
 
-def _last_frames(dataset: Dataset, feature: str) -> Array:
-    """Read the last frame of every episode, (n_episodes, size of the feature)."""
-    ends = dataset.episodes.to_index - 1
+def wrong_view(inspection: Inspection, packed: Dataset, mode: BreakMode) -> View:
+    """Return the dataset as a break mode has it, from the first and last frames that the inspection has kept.
 
-    def fold(file: DataFile, frames: Columns) -> Array:
-        here = (ends >= file.from_index) & (ends < file.to_index)
-        return frames[feature][ends[here] - file.from_index]
-
-    return np.concatenate(map_files(dataset, [feature], fold))
-
-
-def _wrong_view(dataset: Dataset, right: Reading, mode: BreakMode, last: Array) -> View:
-    reading, episodes = mode.reading(right), mode.dataset(dataset).episodes
-    ends = np.searchsorted(dataset.episodes.to_index, episodes.to_index)
-    errors = frame_errors(last[ends], reading, dataset.schema)
-    return View(mode, reading, episodes, Outcome(errors.pos_err, errors.ang_err, in_tolerance(errors, reading)))
+    Raises
+    ------
+    ValueError
+        If the mode lets a frame decide that was not kept.
+    """
+    assert inspection.reading is not None  # only what has an outcome is read wrong
+    reading, episodes = mode.reading(inspection.reading), mode.dataset(packed).episodes
+    decisive = episodes.to_index - 1 if reading.decisive == "last" else episodes.from_index
+    frames = _kept_frames(inspection, packed.episodes, decisive)
+    return View(mode, reading, episodes, outcome_of(decode(frames, reading, inspection.schema)))
 
 
-def script_data(content: Content) -> dict[str, Any]:
-    """Return what the script needs: the frames, column after column, and the readings."""
-    schema, dtype = content.inspection.schema, _dtype(content.inspection)
-    values = [frames.astype(dtype) for frames in content.frames.values()] or [np.empty((content.shown.n_frames, 0))]
-    columns = np.ascontiguousarray(np.concatenate(values, axis=1).T)
-    return {
-        "fps": schema.fps,
-        "longestPath": LONGEST_PATH,
-        "shown": content.shown.n_frames,
-        "total": content.inspection.episodes.n_frames,
-        "names": [[feature, printable(name)] for feature, name in content.columns],
-        "bytes": dtype.itemsize,
-        "frames": base64.b64encode(columns.tobytes()).decode(),
-        "readings": [_reading_data(view, content) for view in content.views],
-    }
-
-
-def _reading_data(view: View, content: Content) -> dict[str, Any]:
-    spans = np.stack([view.episodes.from_index, view.episodes.to_index], axis=1)
-    episodes = spans[view.episodes.from_index < content.shown.n_frames].tolist()
-    data = {"name": view.name, "episodes": episodes, "numbers": list(map(view.episodes.number, range(len(episodes))))}
-    if view.reading is None or view.outcome is None:
-        return data
-    schema, velocity = content.inspection.schema, view.reading.velocity
-    has_action = set(velocity) <= set(schema.features[ACTION].dim_names if ACTION in content.frames else ())
-
-    def places(names: Sequence[str], feature: str = view.reading.feature) -> list[int]:
-        before = list(content.frames)[: list(content.frames).index(feature)]
-        return [sum(schema.features[name].size for name in before) + at for at in schema.columns(feature, names)]
-
-    return data | {
-        "reached": view.outcome.reached[: len(episodes)].tolist(),
-        "said": f"{view.name}: {view.tally} reached the target, {view.outcome.success_rate:.0%}",
-        "pusher": places(view.reading.pusher),
-        "tee": places(view.reading.tee.names),
-        "target": places(view.reading.target.names),
-        "action": places(velocity, ACTION) if has_action else None,
-        "formulas": [formula(view.reading.tee), formula(view.reading.target)],
-        "posTol": view.reading.pos_tol,
-        "angTol": view.reading.ang_tol,
-    }
+def _kept_frames(inspection: Inspection, right: EpisodeIndex, wanted: Ints) -> Columns:
+    """Pick frames by their numbers out of the first and the last one of each episode."""
+    known = np.concatenate([right.from_index, right.to_index - 1])
+    order = np.argsort(known, kind="stable")
+    place = order[np.minimum(np.searchsorted(known[order], wanted), len(order) - 1)]
+    if not np.array_equal(known[place], wanted):
+        raise ValueError(f"found frame {int(wanted[known[place] != wanted][0])}, expected the end of an episode")
+    first, last = inspection.ends["first"], inspection.ends["last"]
+    ends: Columns = {name: np.concatenate([first[name], last[name]]) for name in first}
+    return {name: frames[place] for name, frames in ends.items()}

@@ -7,15 +7,17 @@ from html import escape
 from pathlib import Path
 
 import msgspec
-import numpy as np
 
 from z2r.errors import printable
 from z2r.format.schema import ACTION
+from z2r.reading.decode import Decoded
+from z2r.reading.goal import Goal
 from z2r.reading.inspection import Inspection
-from z2r.reading.reading import Reading, named_columns, read_pose
+from z2r.reading.reading import Reading, locate
 from z2r.reading.success import frame_errors
-from z2r.show.page.content import Content, View, dims, formula, script_data
-from z2r.show.page.pictures import fill, ribbon, scene
+from z2r.show.page.content import Content, View
+from z2r.show.page.pictures import camera_of, fill, grid_text, ribbon, scene
+from z2r.show.page.script_data import formulas, limit_text, script_data
 
 _FOLDER = Path(__file__).parent
 _MAX_EPISODE_ROWS = 100
@@ -25,21 +27,21 @@ _MAX_SCHEMA_ROWS = 400
 def render(content: Content) -> str:
     """Return the whole page."""
     script, style = ((_FOLDER / f"page.{kind}").read_text(encoding="utf-8") for kind in ("js", "css"))
-    reading = content.inspection.reading
     return fill(
         "page.html",
         title=escape(content.title),
+        question=f"How many reached {escape(content.destination)}?",
         script=script,
         script_hash=_csp_hash(script),
         style=style,
         style_hash=_csp_hash(style),
         facts=_facts(content.inspection),
-        switch="".join(map(_switch, content.views)) if len(content.views) > 1 else "",
+        switch="".join(_switch(view, content) for view in content.views) if len(content.views) > 1 else "",
         answers="".join(_answer(view, content) for view in content.views),
         left_out=f'<p class="note">{content.left_out}</p>' if content.left_out else "",
-        player=_world(content, reading) if reading else fill("plots.html"),
+        player=_player(content),
         schema_rows=_schema_rows(content.inspection),
-        episode_tables="".join(_episode_table(view, hidden=view.mode is not None) for view in content.views),
+        episode_tables="".join(_episode_table(view) for view in content.views),
         data=_json(script_data(content)),
     )
 
@@ -68,81 +70,122 @@ def _facts(inspection: Inspection) -> str:
     return "".join(f"<div><dt>{name}</dt><dd>{value}</dd></div>" for name, value in facts.items())
 
 
-def _switch(view: View) -> str:
-    believed = view.mode.assumption if view.mode else "the block's yaw is atan2(sin, cos)"
+def _switch(view: View, content: Content) -> str:
+    reading = content.inspection.reading
+    believed = view.mode.assumption if view.mode else f"as the reading {reading.name if reading else ''} has it"
     button = f'<input type="radio" name="reading" value="{view.name}"{"" if view.mode else " checked"}>'
     return f'<label class="choice">{button}<b>{view.name}</b><span>{escape(believed)}</span></label>'
 
 
 def _answer(view: View, content: Content) -> str:
-    """Say how many episodes reached the target in this view, above a ribbon of all of them."""
-    outcome, reading = view.outcome, view.reading
+    """Say how many episodes reached the goal in this view, above a ribbon of all of them."""
     parts = {"name": view.name, "hidden": "hidden" if view.mode else "", "ribbon": ribbon(view, content)}
-    if outcome is None or reading is None:
-        return fill("unread.html", missing=escape(printable(", ".join(content.inspection.missing))), **parts)
-    note = (
-        "The dataset stores no success. This is read off the last stored frame of each episode: is the block within "
-        f"{reading.pos_tol} m and {reading.ang_tol} rad of the target?"
-    )
-    if view.mode:
-        note = f"Read wrong on purpose. What gives it away: {view.mode.signature}."
+    if view.outcome is None or view.reading is None:
+        return fill("unread.html", why=escape(printable(_why_unread(content.inspection))), **parts)
     return fill(
         "answer.html",
-        percent=f"{outcome.success_rate:.0%}",
-        tally=view.tally,
-        note=escape(note),
+        percent=f"{view.outcome.share_reached:.0%}",
+        tally=view.outcome.tally,
+        destination=escape(content.destination),
+        note=escape(_note(view, view.reading)),
         **parts,
     )
 
 
-def _world(content: Content, reading: Reading) -> str:
-    """Show the last shown frame of the first episode: the picture, the two errors, the two yaws and the numbers."""
-    schema, state = content.inspection.schema, content.frames[reading.feature][content.shown[0]][-1:]
-    columns, errors = named_columns(state, reading, schema), frame_errors(state, reading, schema)
-    pos_err, ang_err = float(errors.pos_err[0]), float(errors.ang_err[0])
-    return fill(
-        "world.html",
-        scene=scene(content, reading, "scene"),
+def _why_unread(inspection: Inspection) -> str:
+    """Say why nothing can be said of what was reached."""
+    if inspection.reading is not None:
+        return f"the reading {inspection.reading.name} has no goal."
+    if inspection.missing:
+        return f"the reading that was given needs {', '.join(inspection.missing)}."
+    return "no reading says what its columns mean, and what counts as reached."
+
+
+def _note(view: View, reading: Reading) -> str:
+    if view.mode:
+        return f"Read wrong on purpose. What gives it away: {view.mode.signature}."
+    said = " and ".join(goal.says(reading.unit(goal)) for goal in reading.goal)
+    frame = "last stored" if reading.decisive == "last" else "first"
+    return f"Read off the {frame} frame of each episode, as the reading {reading.name} has it: is {said}?"
+
+
+def _player(content: Content) -> str:
+    """Show the last shown frame of the first episode: a picture where there are poses, else every dimension."""
+    reading = content.inspection.reading
+    if reading is None:
+        return fill("plots.html", side="")
+    last = content.decoded(reading).take(slice(content.shown.to_index[0] - 1, content.shown.to_index[0]))
+    side = fill(
+        "side.html",
         number=str(content.shown.number(0)),
+        traces=_traces(content, last),
+        decoded=_decoded(content, last),
         numbers=_numbers(content, reading),
-        pos_err=f"{pos_err:.4f} m",
-        ang_err=_angle(ang_err),
-        pos_mark=_mark(pos_err <= reading.pos_tol, f"{reading.pos_tol} m"),
-        ang_mark=_mark(ang_err <= reading.ang_tol, f"{reading.ang_tol} rad"),
-        tee_formula=escape(formula(reading.tee)),
-        target_formula=escape(formula(reading.target)),
-        tee_yaw=_angle(float(read_pose(columns, reading.tee).yaw[0])),
-        target_yaw=_angle(float(read_pose(columns, reading.target).yaw[0])),
+    )
+    if not reading.poses:
+        return fill("plots.html", side=side)
+    return fill("world.html", scene=scene(content, reading, "scene"), key=_key(content, reading), side=side)
+
+
+def _traces(content: Content, last: Decoded) -> str:
+    """Make room for a trace of each goal, with its number and whether it holds."""
+    errors = frame_errors(last)
+    return "".join(
+        f'<figure class="trace goal"><figcaption><b>{escape(content.goal_title(goal))}</b> '
+        f'<span class="value">{_value(goal, float(errors[goal.name][0]), last.reading)}</span> '
+        f"{_mark(bool(goal.holds(errors[goal.name])[0]), limit_text(last.reading, goal.name))}</figcaption></figure>"
+        for goal in last.reading.goal
     )
 
 
-def _mark(within: bool, tolerance: str) -> str:
-    what, kind = ("✓ within", "mark within") if within else ("✗ not within", "mark")
-    return f'<span class="{kind}">{what} {tolerance}</span>'
+def _value(goal: Goal, number: float, reading: Reading) -> str:
+    return escape(_angle(number) if goal.turn else f"{number:.4f} {reading.unit(goal)}".strip())
+
+
+def _mark(holds: bool, limit: str) -> str:
+    what, kind = ("✓", "mark within") if holds else ("✗ not", "mark")
+    return f'<span class="{kind}">{escape(f"{what} {limit}".strip())}</span>'
 
 
 def _angle(radians: float) -> str:
     return f"{radians:.4f} rad = {math.degrees(radians):.1f}°"
 
 
+def _decoded(content: Content, last: Decoded) -> str:
+    """List the yaw of every body that has one, and how it is decoded; the last ones of the drawing come first."""
+    known = formulas(last.reading)
+    rows = [(name, content.label(name), last.pose(name).yaw) for name in reversed(content.bodies) if name in known]
+    return "".join(
+        f'<div><dt>{escape(label)}\'s yaw<code data-formula="{escape(name)}">{escape(known[name])}</code></dt>'
+        f'<dd data-yaw="{escape(name)}">{_angle(float(yaw[0]))}</dd></div>'
+        for name, label, yaw in rows
+        if yaw is not None
+    )
+
+
 def _numbers(content: Content, reading: Reading) -> str:
     """List the numbers that a reading reads, and the action, in the frame that the picture shows."""
-    wanted = {reading.feature: set(reading.names), ACTION: set(reading.velocity)}
-    last = {name: frames[content.shown[0]][-1] for name, frames in content.frames.items()}
-    values = np.concatenate([last[name] for name in content.frames])
-    rows = [
-        f'<div><dt>{escape(dim)}</dt><dd data-column="{place}">{values[place]:.4f}</dd>'
-        f'<dd class="unit">{_unit(feature, dim, reading)}</dd></div>'
-        for place, (feature, dim) in enumerate(content.columns)
-        if dim in wanted.get(feature, ())
-    ]
+    wanted = {locate(name, reading.feature, content.schema) for name in reading.names}
+    if reading.action and not reading.missing_action(content.schema):
+        wanted |= {locate(name, ACTION, content.schema) for name in reading.action.columns}
+    last = content.shown.to_index[0] - 1
+    rows = []
+    for name in content.frames:
+        for dim, label in enumerate(content.schema.features[name].labels):
+            if (name, dim) in wanted:
+                value = f'<dd data-column="{content.place(name, dim)}">{content.frames[name][last, dim]:.4f}</dd>'
+                unit = escape(reading.meaning(name, label).unit)
+                rows.append(f'<div><dt>{escape(printable(label))}</dt>{value}<dd class="unit">{unit}</dd></div>')
     return "".join(rows)
 
 
-def _unit(feature: str, dim: str, reading: Reading) -> str:
-    if feature == ACTION:
-        return "m/s"
-    return "" if dim in (*reading.tee.names[2:], *reading.target.names[2:]) else "m"
+def _key(content: Content, reading: Reading) -> str:
+    swatches: list[tuple[str, str]] = [(body.role, body.label) for body in reversed(content.bodies.values())]
+    if reading.action:
+        swatches.append(("action", "action, one frame ahead"))
+    unit = next(iter(reading.poses.values())).unit
+    swatches.append(("grid", grid_text(camera_of(content, reading), unit)))
+    return "".join(f'<li><i class="swatch {kind}"></i>{escape(label)}</li>' for kind, label in swatches)
 
 
 def _schema_rows(inspection: Inspection) -> str:
@@ -163,28 +206,36 @@ def _feature_rows(name: str, inspection: Inspection) -> list[str]:
     ranges = inspection.ranges[name]
     low, high = ranges.low.min(axis=0), ranges.high.max(axis=0)
     cells = '<tr><td>{}</td><td class="number">{:.3f}</td><td class="number">{:.3f}</td></tr>'
-    return rows + [cells.format(escape(printable(dim)), low[i], high[i]) for i, dim in enumerate(dims(feature))]
+    return rows + [cells.format(escape(printable(dim)), low[i], high[i]) for i, dim in enumerate(feature.labels)]
 
 
-def _episode_table(view: View, hidden: bool) -> str:
-    episodes, outcome = view.episodes, view.outcome
+def _episode_table(view: View) -> str:
+    episodes = view.episodes
     rows = [_episode_row(view, episode) for episode in range(min(len(episodes), _MAX_EPISODE_ROWS))]
     more = len(episodes) - len(rows)
     return fill(
         "episodes.html",
         name=view.name,
-        hidden="hidden" if hidden else "",
-        outcome_heads="<th>pos_err [m]</th><th>ang_err [rad]</th><th>reached</th>" if outcome else "",
+        hidden="hidden" if view.mode else "",
+        outcome_heads=_outcome_heads(view),
         rows="".join(rows),
         more=f'<p class="note">and {more:,} more episodes</p>' if more else "",
     )
+
+
+def _outcome_heads(view: View) -> str:
+    if view.outcome is None or view.reading is None:
+        return ""
+    units = {goal.name: view.reading.unit(goal) for goal in view.reading.goal}
+    heads = [f"{name} [{unit}]" if unit else name for name, unit in units.items()]
+    return "".join(f"<th>{escape(head)}</th>" for head in [*heads, "reached"])
 
 
 def _episode_row(view: View, episode: int) -> str:
     episodes, outcome = view.episodes, view.outcome
     cells = [f"{episodes.from_index[episode]:,}", f"{episodes.lengths[episode]:,}"]
     if outcome:
-        cells += [f"{outcome.final_pos_err[episode]:.3f}", f"{outcome.final_ang_err[episode]:.3f}"]
+        cells += [f"{numbers[episode]:.3f}" for numbers in outcome.final_errors.values()]
         cells += ["yes" if outcome.reached[episode] else "no"]
     return (
         f'<tr><th scope="row">{episodes.number(episode)}</th>' + "".join(f"<td>{cell}</td>" for cell in cells) + "</tr>"

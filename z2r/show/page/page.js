@@ -1,47 +1,25 @@
 "use strict";
-// The panel. It decodes frames by the rules of z2r/reading.py, z2r/angles.py and z2r/success.py; tests hold the two
-// together. Names from the dataset are written with textContent only, so that none is ever taken for markup.
+// The panel. It decodes nothing: positions, yaws, errors and whether they are within their limits come with the page,
+// worked out by the package. Names from the dataset are written with textContent only, so that none is ever taken for
+// markup.
 
 const byId = (id) => document.getElementById(id);
 const all = (selector) => [...document.querySelectorAll(selector)];
 const page = JSON.parse(byId("data").textContent);
 const columns = decodeColumns(page);
-const TURN = 2 * Math.PI;
 const PLOTS = 12; // dimensions that are drawn at once
 
+let held = []; // a bit for each goal and frame: whether it is within its limits
 const now = { reading: page.readings[0], episode: 0, frame: 0, firstPlot: 0 };
-let seen; // what the reading makes of every frame
 let playing = null; // when it began, and at which frame
 let drawing = false;
 
-function decodeColumns({ frames, bytes, names, shown }) {
-  const raw = Uint8Array.from(atob(frames), (char) => char.charCodeAt(0));
+const bytesOf = (text) => Uint8Array.from(atob(text), (char) => char.charCodeAt(0));
+
+function decodeColumns({ frames, bytes, shown }) {
+  const raw = bytesOf(frames);
   const values = bytes === 8 ? new Float64Array(raw.buffer) : new Float32Array(raw.buffer);
-  return names.map((_, column) => values.subarray(column * shown, (column + 1) * shown));
-}
-
-function wrapAngle(angle) {
-  let wrapped = (angle + Math.PI) % TURN;
-  if (wrapped < 0) wrapped += TURN;
-  wrapped -= Math.PI;
-  return wrapped >= Math.PI ? -Math.PI : wrapped;
-}
-
-function readPose([x, y, sin, cos]) {
-  const yaw = Float64Array.from(columns[sin], (value, frame) => Math.atan2(value, columns[cos][frame]));
-  return { x: columns[x], y: columns[y], yaw };
-}
-
-function readFrames({ tee, target }) {
-  if (!tee) return null;
-  const block = readPose(tee);
-  const goal = readPose(target);
-  return {
-    block,
-    goal,
-    pos: Float64Array.from(block.x, (x, i) => Math.hypot(x - goal.x[i], block.y[i] - goal.y[i])),
-    ang: block.yaw.map((yaw, i) => Math.abs(wrapAngle(yaw - goal.yaw[i]))),
-  };
+  return Array.from({ length: values.length / shown }, (_, i) => values.subarray(i * shown, (i + 1) * shown));
 }
 
 // --- what is shown -------------------------------------------------------------------------------------------------
@@ -55,13 +33,14 @@ const nFrames = () => span()[1] - span()[0];
 
 function chooseReading(name) {
   now.reading = page.readings.find((reading) => reading.name === name);
-  seen = readFrames(now.reading);
+  held = now.reading.goals.map((goal) => bytesOf(goal.held));
   for (const part of all("[data-reading]")) part.hidden = part.dataset.reading !== name;
   const options = now.reading.numbers.map((number, episode) => new Option(number, episode));
   byId("episode").replaceChildren(...options);
-  for (const [i, code] of all("[data-formula]").entries()) {
-    code.textContent = now.reading.formulas[i];
-    code.classList.toggle("changed", now.reading.formulas[i] !== page.readings[0].formulas[i]);
+  for (const code of all("[data-formula]")) {
+    const pose = code.dataset.formula;
+    code.textContent = now.reading.formulas[pose];
+    code.classList.toggle("changed", now.reading.formulas[pose] !== page.readings[0].formulas[pose]);
   }
   document.body.classList.toggle("wrong", now.reading !== page.readings[0]);
 }
@@ -90,7 +69,8 @@ function chooseEpisode(episode, frame = 0) {
     here.setAttribute("x", `${(100 * from) / page.total}%`);
     here.setAttribute("width", `${(100 * (to - from)) / page.total}%`);
   }
-  if (seen) drawEpisode();
+  drawGoals();
+  if (scene) drawPaths();
   else drawPlots();
   chooseFrame(frame);
 }
@@ -111,14 +91,14 @@ function svg(name, attributes = {}, ...children) {
   return element;
 }
 
-/** Draw one value over an episode, in percent of the height, with a band that is within tolerance. */
+/** Draw one value over an episode, in percent of the height, with the band of values that are within the limits. */
 function makeTrace(figure, label) {
-  const band = svg("rect", { class: "band", width: "100%" });
+  const shade = svg("rect", { class: "band", width: "100%" });
   const line = svg("polyline", { class: "line" });
   const cursor = svg("line", { class: "cursor", y1: "0", y2: "100%" });
   const dot = svg("circle", { class: "dot", r: 5 });
   const stretched = svg("svg", { viewBox: "0 0 100 100", preserveAspectRatio: "none" }, line);
-  const plot = svg("svg", { class: "plot", role: "img", "aria-label": label }, band, stretched, cursor, dot);
+  const plot = svg("svg", { class: "plot", role: "img", "aria-label": label }, shade, stretched, cursor, dot);
   const [high, low, limit] = ["high", "low", "limit"].map((name) => {
     const text = document.createElement("span");
     text.className = name;
@@ -131,15 +111,16 @@ function makeTrace(figure, label) {
   scrubWith(plot);
   let scale;
   return {
-    setEpisode(values, bottom, top, unit, tolerance) {
+    setEpisode(values, bottom, top, unit, band, said) {
       scale = (value) => 96 - (76 * (value - bottom)) / (top - bottom || 1);
       line.setAttribute("points", thinned(values, scale));
-      band.setAttribute("y", `${scale(tolerance ?? bottom)}%`);
-      band.setAttribute("height", tolerance === undefined ? 0 : `${scale(bottom) - scale(tolerance)}%`);
+      const [from, to] = band ?? [bottom, bottom];
+      shade.setAttribute("y", `${scale(to)}%`);
+      shade.setAttribute("height", `${scale(from) - scale(to)}%`);
       high.textContent = `${short(top)} ${unit}`;
-      low.textContent = tolerance === undefined ? `${short(bottom)} ${unit}` : "";
-      limit.textContent = tolerance === undefined ? "" : `tolerance ${tolerance} ${unit}`;
-      limit.style.top = `${scale(tolerance ?? bottom)}%`;
+      low.textContent = band ? "" : `${short(bottom)} ${unit}`;
+      limit.textContent = said ?? "";
+      limit.style.top = `${scale(to)}%`;
     },
     setFrame(value, frame, last) {
       const x = `${last ? (100 * frame) / last : 0}%`;
@@ -178,71 +159,89 @@ function scrubWith(plot) {
   plot.addEventListener("pointermove", follow);
 }
 
-// --- the world -----------------------------------------------------------------------------------------------------
+// --- goals -----------------------------------------------------------------------------------------------------------
 
-const scene = byId("scene");
-const part = (name) => scene.querySelector(name);
-const traces = scene && { pos: makeTrace(byId("pos"), "Distance over time"), ang: makeTrace(byId("ang"), "Angle over time") };
-let paths; // the points of block and pusher in this episode
+const goalFigures = all(".trace.goal");
+const goalTraces = goalFigures.map((figure, i) => makeTrace(figure, `${page.readings[0].goals[i].label} over time`));
 
-function drawEpisode() {
-  const [from, to] = span();
-  const [x, y] = now.reading.pusher;
-  const farthest = Math.max(2 * now.reading.posTol, seen.pos.subarray(from, to).reduce((a, b) => Math.max(a, b), 0));
-  traces.pos.setEpisode(seen.pos.subarray(from, to), 0, farthest, "m", now.reading.posTol);
-  traces.ang.setEpisode(seen.ang.subarray(from, to), 0, Math.PI, "rad", now.reading.angTol);
-  paths = { tee: points(seen.block.x, seen.block.y), pusher: points(columns[x], columns[y]) };
-  for (const name of ["tee", "pusher"]) {
-    part(`.ahead.${name}-line`).setAttribute("points", paths[name].slice(0, page.longestPath).join(" "));
+function drawGoals() {
+  for (const [i, goal] of now.reading.goals.entries()) {
+    const values = columns[goal.column].subarray(...span());
+    const finite = values.filter(Number.isFinite);
+    const extreme = (choose) => finite.reduce((a, b) => choose(a, b), choose(0, ...goal.limits));
+    const bottom = extreme(Math.min);
+    const top = goal.isAngle ? Math.PI : Math.max(extreme(Math.max), 2 * Math.max(0, ...goal.limits));
+    goalTraces[i].setEpisode(values, bottom, top, goal.unit, goal.limits.length && bandOf(goal, bottom, top), goal.limit);
   }
 }
 
-function points(x, y) {
-  const [from, to] = span();
-  return Array.from(x.subarray(from, to), (value, i) => `${value},${y[from + i]}`);
+/** Between which values a goal holds, as far as the plot shows. */
+function bandOf({ limit, limits }, bottom, top) {
+  if (limit.startsWith("at least")) return [limits[0], limits[1] ?? top];
+  return [bottom, limits[0]];
 }
 
-function drawWorld(at) {
-  const { block, goal, pos, ang } = seen;
-  const place = (pose) => `translate(${pose.x[at]} ${pose.y[at]}) rotate(${degrees(pose.yaw[at])})`;
-  const [x, y] = now.reading.pusher.map((column) => columns[column][at]);
-  part(".tee").setAttribute("transform", place(block));
-  part(".target").setAttribute("transform", place(goal));
-  part(".pusher").setAttribute("cx", x);
-  part(".pusher").setAttribute("cy", y);
-  part(".action").setAttribute("d", arrow(x, y, at));
-  for (const name of ["tee", "pusher"]) {
-    const path = paths[name].slice(Math.max(0, now.frame + 1 - page.longestPath), now.frame + 1);
-    part(`.path.${name}-line`).setAttribute("points", path.join(" "));
-  }
-  for (const cell of all("[data-column]")) cell.textContent = columns[cell.dataset.column][at].toFixed(4);
-  for (const [i, cell] of all("[data-yaw]").entries()) cell.textContent = angle([block, goal][i].yaw[at]);
-  writeError("pos", pos[at], `${pos[at].toFixed(4)} m`, now.reading.posTol, "m");
-  writeError("ang", ang[at], angle(ang[at]), now.reading.angTol, "rad");
-}
-
-function writeError(name, value, text, tolerance, unit) {
-  const within = value <= tolerance;
-  const mark = byId(name).querySelector(".mark");
-  traces[name].setFrame(value, now.frame, nFrames() - 1);
-  byId(name).querySelector(".value").textContent = text;
-  mark.textContent = `${within ? "\u2713 within" : "\u2717 not within"} ${tolerance} ${unit}`;
+function drawGoal(i, at) {
+  const goal = now.reading.goals[i];
+  const value = columns[goal.column][at];
+  const within = Boolean((held[i][at >> 3] >> (7 - (at & 7))) & 1);
+  const mark = goalFigures[i].querySelector(".mark");
+  goalTraces[i].setFrame(value, now.frame, nFrames() - 1);
+  goalFigures[i].querySelector(".value").textContent = goal.isAngle ? angle(value) : `${value.toFixed(4)} ${goal.unit}`;
+  mark.textContent = `${within ? "\u2713" : "\u2717 not"} ${goal.limit}`;
   mark.classList.toggle("within", within);
 }
 
 const degrees = (radians) => (radians * 180) / Math.PI;
 const angle = (radians) => `${radians.toFixed(4)} rad = ${degrees(radians).toFixed(1)}\u00b0`;
 
-/** From the pusher to where the action would take it in one frame. */
-function arrow(x, y, at) {
-  const [dx, dy] = (now.reading.action ?? []).map((column) => columns[column][at] / page.fps);
+// --- the world -------------------------------------------------------------------------------------------------------
+
+const scene = byId("scene");
+const parts = (kind) => (scene ? [...scene.querySelectorAll(kind)].map((part) => [part, part.dataset.pose]) : []);
+const bodies = parts(".body");
+const trails = parts(".path");
+const trailsAhead = parts(".ahead");
+let points = {}; // of each body that moves, in this episode
+
+function drawPaths() {
+  const [from, to] = span();
+  for (const [line, pose] of trailsAhead) {
+    const [x, y] = now.reading.poses[pose].map((column) => columns[column]);
+    points[pose] = Array.from(x.subarray(from, to), (value, i) => `${value},${y[from + i]}`);
+    line.setAttribute("points", points[pose].slice(0, page.longestPath).join(" "));
+  }
+}
+
+function drawWorld(at) {
+  for (const [body, pose] of bodies) {
+    const [x, y, yaw] = now.reading.poses[pose].map((column) => (column === null ? 0 : columns[column][at]));
+    body.setAttribute("transform", `translate(${x} ${y}) rotate(${degrees(yaw)})`);
+  }
+  for (const [line, pose] of trails) {
+    const path = points[pose].slice(Math.max(0, now.frame + 1 - page.longestPath), now.frame + 1);
+    line.setAttribute("points", path.join(" "));
+  }
+  scene.querySelector(".action").setAttribute("d", arrow(at));
+}
+
+/** From the body that the action drives to where it would take it in one frame. */
+function arrow(at) {
+  if (!now.reading.action) return "";
+  const { pose, columns: driven, scale, isPlace } = now.reading.action;
+  const [x, y] = now.reading.poses[pose].map((column) => columns[column]?.[at]);
+  const [askedX, askedY] = driven.map((column) => scale * columns[column][at]);
+  const [dx, dy] = isPlace ? [askedX - x, askedY - y] : [askedX, askedY];
   const length = Math.hypot(dx, dy);
-  if (!(length > 0.001)) return "";
-  const head = Math.min(0.012, length / 2) / length;
+  if (!(length > 0.0025 * reach)) return "";
+  const head = Math.min(0.03 * reach, length / 2) / length;
   const [tipX, tipY] = [x + dx, y + dy];
   const barb = (side) => `${tipX - head * (dx - side * 0.6 * dy)} ${tipY - head * (dy + side * 0.6 * dx)}`;
   return `M${x} ${y}L${tipX} ${tipY}M${barb(1)}L${tipX} ${tipY}L${barb(-1)}`;
 }
+
+// Half the width of the picture, in the unit of the positions.
+const reach = scene ? 410 / Number(/scale\(([^ ]+)/.exec(scene.querySelector("g").getAttribute("transform"))[1]) : 1;
 
 // --- any other robot: a trace for every dimension --------------------------------------------------------------------
 
@@ -280,6 +279,9 @@ function turnPage(step) {
   chooseFrame(now.frame);
 }
 
+const cells = all("[data-column]");
+const yaws = all("[data-yaw]");
+
 // --- one frame -----------------------------------------------------------------------------------------------------
 
 function drawFrame() {
@@ -291,7 +293,10 @@ function drawFrame() {
   byId("frame").style.setProperty("--done", `${last ? (100 * now.frame) / last : 0}%`);
   byId("frame").setAttribute("aria-valuetext", `frame ${now.frame} of 0 to ${last}, ${seconds} seconds`);
   byId("clock").textContent = `frame ${now.frame} of 0\u2013${last}, ${seconds} s`;
-  if (seen) drawWorld(at);
+  for (const i of now.reading.goals.keys()) drawGoal(i, at);
+  for (const cell of cells) cell.textContent = columns[cell.dataset.column][at].toFixed(4);
+  for (const cell of yaws) cell.textContent = angle(columns[now.reading.poses[cell.dataset.yaw][2]][at]);
+  if (scene) drawWorld(at);
   for (const { trace, column, value } of plots) {
     trace.setFrame(column[at], now.frame, last);
     value.textContent = Number(column[at].toPrecision(5));

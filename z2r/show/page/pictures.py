@@ -1,21 +1,46 @@
 """The pictures of a page that stand by themselves: the scene from above, and the ribbon of all episodes."""
 
-from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+from math import floor, log10
 from pathlib import Path
 from string import Template
 
 import numpy as np
 
-from z2r.arrays import Floats
-from z2r.pusht import task
-from z2r.reading.inspection import Inspection
-from z2r.reading.reading import Pose, Reading, named_columns, read_pose
-from z2r.show.page.content import LONGEST_PATH, Content, View
+from z2r.reading.bodies import Body
+from z2r.reading.decode import Decoded
+from z2r.reading.poses import Pose
+from z2r.reading.reading import Reading, locate
+from z2r.show.page.content import Content, View
+from z2r.show.page.script_data import LONGEST_PATH
 
 _FOLDER = Path(__file__).parent
 _MAX_SEGMENTS = 240  # of the ribbon: about as many as can be told apart
 _LABEL_PERCENT = 4  # of the ribbon: a number has room under a wider segment
-_TEE_REACH = task.STEM_HALF_SIZE[1] - task.STEM_CENTER[1]  # m: from the origin of the block to the end of its stem
+_HALF = 410  # half the width of the picture, in its own unit
+_POINT = 0.022  # of half the width: radius of a body of which nothing but the place is known
+_STROKE = 'vector-effect="non-scaling-stroke"'
+# So that a picture without the style of the page is coloured too.
+_PAINT = {
+    "object": 'fill="#0072b2" fill-opacity="0.82" stroke="#0072b2" stroke-width="2"',
+    "goal": 'fill="#009e73" fill-opacity="0.14" stroke="#009e73" stroke-width="2" stroke-dasharray="3 4"',
+    "robot": 'fill="#d55e00" stroke="#fffefb" stroke-width="1.5"',
+}
+_LINE_PAINT = {"object": "#0072b2", "goal": "#009e73", "robot": "#d55e00"}
+
+
+@dataclass(frozen=True)
+class Camera:
+    """What the picture shows: its middle, and how far it goes from there, in the unit of the positions."""
+
+    middle: tuple[float, float]
+    half: float
+
+    @property
+    def grid(self) -> float:
+        """The distance between two lines of the grid: a power of ten."""
+        return float(10.0 ** floor(log10(self.half / 2)))
 
 
 def fill(template: str, /, **parts: str) -> str:
@@ -41,8 +66,8 @@ def ribbon(view: View, content: Content) -> str:
         for episode, begin, end in zip(edges[:-1].tolist(), begins.tolist(), ends.tolist(), strict=True)
         if end - begin > _LABEL_PERCENT
     )
-    what = f"{view.tally} reached the target" if outcome else f"{len(episodes):,} in all"
-    role = f'role="img" aria-label="Episodes by length: {what}"'
+    what = f"{outcome.tally} reached {content.destination}" if outcome else f"{len(episodes):,} in all"
+    role = f'role="img" aria-label="Episodes by length: {escape(what)}"'
     return f'<svg class="ribbon" {role}>{bars}<rect class="here" y="-5" height="44" rx="4"/>{labels}</svg>'
 
 
@@ -53,57 +78,86 @@ def _bar(kind: str, begin: float, end: float, top: float, height: float) -> str:
 
 def scene(content: Content, reading: Reading, name: str) -> str:
     """Draw the last shown frame of the first episode as SVG that stands by itself; the script moves its parts."""
-    schema = content.inspection.schema
-    state = content.frames[reading.feature][content.shown[0]][-LONGEST_PATH:]
-    columns = named_columns(state, reading, schema)
-    tee, target = read_pose(columns, reading.tee), read_pose(columns, reading.target)
-    pusher_x, pusher_y = (columns[axis] for axis in reading.pusher)
-    half = 1000 * _half_width(content.inspection, reading)
+    episode = slice(max(0, int(content.shown.to_index[0]) - LONGEST_PATH), int(content.shown.to_index[0]))
+    decoded, camera = content.decoded(reading).take(episode), camera_of(content, reading)
+    bodies = content.bodies
+    moving = [pose for pose, body in bodies.items() if body.role != "goal"]
+    scale = _HALF / camera.half
     return fill(
         "scene.svg",
         name=name,
-        half=f"{half:.0f}",
-        size=f"{2 * half:.0f}",
-        wall=f"{task.WALL}",
-        width=f"{2 * task.WALL}",
-        grid="".join(f"M{i / 10} -{task.WALL}V{task.WALL}M-{task.WALL} {i / 10}H{task.WALL}" for i in range(-3, 4)),
-        outline=_tee_outline(),
-        tee=_transform(tee),
-        target=_transform(target),
-        tee_path=_points(tee.x, tee.y),
-        pusher_path=_points(pusher_x, pusher_y),
-        pusher=f"{pusher_x[-1]:.6g}",
-        pusher_y=f"{pusher_y[-1]:.6g}",
-        radius=f"{task.PUSHER_RADIUS}",
+        label=escape("Seen from above: " + ", ".join(body.label for body in bodies.values())),
+        place=f"scale({scale:.6g} {-scale:.6g}) translate({-camera.middle[0]:.6g} {-camera.middle[1]:.6g})",
+        ground=_ground(content, camera),
+        ahead="".join(_path(pose, decoded, bodies[pose], "ahead", 'stroke-opacity="0.25"') for pose in moving),
+        paths="".join(_path(pose, decoded, bodies[pose], "path", "") for pose in moving),
+        bodies="".join(_body(pose, decoded, body, camera) for pose, body in bodies.items()),
     )
 
 
-def _half_width(inspection: Inspection, reading: Reading) -> float:
-    """How far the picture must reach [m]: to just outside the walls, or farther if block or pusher went there."""
-    ranges = inspection.ranges[reading.feature]
-    farthest = np.maximum(np.abs(ranges.low), np.abs(ranges.high)).max(axis=0)
+def camera_of(content: Content, reading: Reading) -> Camera:
+    """Look at the walls of a scene and just beyond, and farther if a body went there; without it, at all places."""
+    names = [(pose.x, pose.y, content.bodies[name].reach) for name, pose in reading.poses.items()]
+    low = np.min([[_end(content, reading, n, "low") - reach for n in (x, y)] for x, y, reach in names], axis=0)
+    high = np.max([[_end(content, reading, n, "high") + reach for n in (x, y)] for x, y, reach in names], axis=0)
+    if content.scene:
+        return Camera((0.0, 0.0), float(max(content.scene.half_width * 1.025, *np.abs(low), *np.abs(high))))
+    x, y = ((low + high) / 2).tolist()
+    return Camera((x, y), float((high - low).max()) * 0.55 or 1.0)
 
-    def reach(names: Sequence[str], size: float) -> float:
-        return float(farthest[inspection.schema.columns(reading.feature, names)].max()) + size
 
-    blocks = (*reading.tee.names[:2], *reading.target.names[:2])
-    return max(task.WALL + 0.01, reach(reading.pusher, task.PUSHER_RADIUS), reach(blocks, _TEE_REACH))
+def _end(content: Content, reading: Reading, name: str, which: str) -> float:
+    feature, dim = locate(name, reading.feature, content.schema)
+    ends = getattr(content.inspection.ranges[feature], which)[:, dim]
+    return float(ends.min() if which == "low" else ends.max())
 
 
-def _tee_outline() -> str:
-    """Outline of the T in its own frame [m], as an SVG path: the stem hangs from the lower edge of the bar."""
-    (bar_x, bar_y), (bar_width, bar_height, _) = task.BAR_CENTER, task.BAR_HALF_SIZE
-    (stem_x, stem_y), (stem_width, stem_height, _) = task.STEM_CENTER, task.STEM_HALF_SIZE
-    top, bottom, foot = bar_y + bar_height, bar_y - bar_height, stem_y - stem_height
-    return (
-        f"M{bar_x - bar_width:g} {top:g}H{bar_x + bar_width:g}V{bottom:g}H{stem_x + stem_width:g}V{foot:g}"
-        f"H{stem_x - stem_width:g}V{bottom:g}H{bar_x - bar_width:g}Z"
-    )
+def _ground(content: Content, camera: Camera) -> str:
+    """Draw the floor with its grid, and the walls where a scene has some."""
+    half = content.scene.half_width if content.scene else camera.half
+    (x, y), step = (camera.middle, camera.grid) if not content.scene else ((0.0, 0.0), camera.grid)
+    rect = f'x="{x - half:.6g}" y="{y - half:.6g}" width="{2 * half:.6g}" height="{2 * half:.6g}"'
+    lines = [f"M{i * step:.6g} {y - half:.6g}v{2 * half:.6g}" for i in _inner(x - half, x + half, step)] + [
+        f"M{x - half:.6g} {i * step:.6g}h{2 * half:.6g}" for i in _inner(y - half, y + half, step)
+    ]
+    walls = f'<rect class="walls" {rect} stroke="#7b7f86" stroke-width="2" {_STROKE}/>' if content.scene else ""
+    grid = f'<path class="grid" d="{"".join(lines)}" stroke="#e9e6dd" stroke-width="1" {_STROKE}/>'
+    return f'<rect class="floor" {rect} fill="#fffefb"/>\n{grid}\n{walls}'
+
+
+def _inner(low: float, high: float, step: float) -> range:
+    """Numbers of the lines of the grid that lie between two places."""
+    return range(floor(low / step + 1.001), floor(high / step + 0.999))
+
+
+def _path(pose: str, decoded: Decoded, body: Body, kind: str, style: str) -> str:
+    points = _points(decoded.pose(pose))
+    paint = f'stroke="{_LINE_PAINT[body.role]}" {style} stroke-width="{2 if kind == "path" else 1.5}" {_STROKE}'
+    return f'<polyline class="{kind} {body.role}-line" data-pose="{escape(pose)}" points="{points}" {paint}/>\n'
+
+
+def _body(pose: str, decoded: Decoded, body: Body, camera: Camera) -> str:
+    paint = f"{_PAINT[body.role]} {_STROKE}"
+    place = f'data-pose="{escape(pose)}" transform="{_transform(decoded.pose(pose))}"'
+    if len(body.outline):
+        corners = "L".join(f"{x:.6g} {y:.6g}" for x, y in body.outline.tolist())
+        return f'<path class="body {body.role}" d="M{corners}Z" {place} {paint}/>\n'
+    radius = body.reach or _POINT * camera.half
+    ahead = f'<path class="heading" d="M0 0H{2.4 * radius:.6g}" stroke-width="2" {_STROKE}/>'
+    inner = ahead if decoded.reading.poses[pose].yaw else ""
+    stroke = f'stroke="{_LINE_PAINT[body.role]}"' if inner else ""
+    return f'<g class="body {body.role}" {place} {stroke}><circle r="{radius:.6g}" {paint}/>{inner}</g>\n'
 
 
 def _transform(pose: Pose) -> str:
-    return f"translate({pose.x[-1]:.6g} {pose.y[-1]:.6g}) rotate({np.rad2deg(pose.yaw[-1]):.6g})"
+    turn = 0.0 if pose.yaw is None else np.rad2deg(pose.yaw[-1])
+    return f"translate({pose.x[-1]:.6g} {pose.y[-1]:.6g}) rotate({turn:.6g})"
 
 
-def _points(x: Floats, y: Floats) -> str:
-    return " ".join(f"{a:.4g},{b:.4g}" for a, b in zip(x.tolist(), y.tolist(), strict=True))
+def _points(pose: Pose) -> str:
+    return " ".join(f"{a:.4g},{b:.4g}" for a, b in np.stack([pose.x, pose.y], axis=1).tolist())
+
+
+def grid_text(camera: Camera, unit: str) -> str:
+    """Say how wide a square of the grid is."""
+    return f"{100 * camera.grid:g} cm" if unit == "m" and camera.grid < 1 else f"{camera.grid:g} {unit}".strip()

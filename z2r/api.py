@@ -1,0 +1,288 @@
+"""What do people call? The functions of `z2r`, with the datasets, the reading and the scene that ship handed down.
+
+What is below knows no task: it takes a reading and a scene as arguments. Here they are looked up.
+"""
+
+import os
+from concurrent.futures import Executor
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from z2r.arrays import Progress, no_progress
+from z2r.audits import audit as audits
+from z2r.audits.audit import Audit
+from z2r.data import find_dataset
+from z2r.errors import DatasetError, Fault
+from z2r.format.dataset import Dataset
+from z2r.format.dataset import load as load_folder
+from z2r.format.schema import Schema, read_schema
+from z2r.pusht.scene import SCENE
+from z2r.pusht.world import PUSHT
+from z2r.reading import inspection as inspections
+from z2r.reading.breaks import BreakMode
+from z2r.reading.inspection import Inspection, beginning
+from z2r.reading.reading import Reading, read_reading
+from z2r.reading.scene import Scene
+from z2r.show import report as reports
+from z2r.show.report import Panel, Report
+
+if TYPE_CHECKING:  # rerun need not be installed to read
+    from z2r.show.replay import Replay
+
+SHIPPED_READINGS: dict[str, Reading] = {PUSHT.name: PUSHT}
+SCENES: dict[str, Scene] = {SCENE.name: SCENE}
+
+
+def scene_of(reading: Reading | None) -> Scene | None:
+    """Return the scene that a reading names; None where it names none.
+
+    Raises
+    ------
+    ValueError
+        If there is none of that name, or the reading lacks a pose that the scene needs.
+    """
+    if reading is None or reading.scene is None:
+        return None
+    if reading.scene not in SCENES:
+        raise ValueError(f"found scene {reading.scene!r}, expected one of {', '.join(SCENES)}")
+    scene = SCENES[reading.scene]
+    lacking = [name for name in scene.bodies if name not in reading.poses]
+    if lacking:
+        raise ValueError(f"found no pose {', '.join(lacking)}, expected it: the scene {scene.name} has that body")
+    return scene
+
+
+def find_reading(name: str | os.PathLike[str]) -> Reading:
+    """Return a reading that ships, by its name, or the one in a file.
+
+    Raises
+    ------
+    DatasetError
+        If there is neither, or the file holds no reading.
+    """
+    shipped = SHIPPED_READINGS.get(os.fspath(name))
+    if shipped is not None and not Path(name).exists():
+        return shipped
+    if not Path(name).exists() and not os.fspath(name).endswith(".toml"):
+        expected = f"a reading file, or one of those that ship: {', '.join(SHIPPED_READINGS)}"
+        raise DatasetError(Fault(Path(name), "", "no such file and no reading of that name", expected))
+    reading = read_reading(name)
+    try:
+        scene_of(reading)
+    except ValueError as error:
+        found, _, expected = str(error).removeprefix("found ").partition(", expected ")
+        raise DatasetError(Fault(Path(name), "scene", found, expected)) from None
+    return reading
+
+
+def choose_reading(schema: Schema) -> Reading | None:
+    """Return the reading that ships and fits, or of which most columns are there: then a name may be misspelt."""
+    for reading in SHIPPED_READINGS.values():
+        if len(reading.missing(schema)) < len(reading.names) / 2:
+            return reading
+    return None
+
+
+def load(dataset: str | os.PathLike[str]) -> Dataset:
+    """Read the two structural facts of a LeRobot v3 dataset; its frames are read when asked for.
+
+    Parameters
+    ----------
+    dataset : str or path
+        The folder that holds ``meta/`` and ``data/``; or the name of a dataset that ships, such as ``standin``.
+
+    Raises
+    ------
+    DatasetError
+        If it is no whole LeRobot v3 dataset.
+
+    Examples
+    --------
+    >>> import z2r
+    >>> z2r.load("standin")
+    Dataset(standin: 6 episodes, 427 frames)
+    """
+    return load_folder(find_dataset(dataset))
+
+
+def inspect_dataset(
+    dataset: Dataset | str | os.PathLike[str],
+    mode: BreakMode | None = None,
+    reading: Reading | None = None,
+    progress: Progress = no_progress,
+    keep: int = 0,
+    executor: Executor | None = None,
+) -> Inspection:
+    """Read every frame of a dataset once, and sum it up.
+
+    Parameters
+    ----------
+    dataset : Dataset, str or path
+        From `z2r.load`, or what that takes.
+    mode : BreakMode, optional
+        Get one assumption wrong on purpose.
+    reading : Reading, optional
+        What the columns mean; the one that ships and fits, unless given.
+    progress : callable, optional
+        Called with the number of frames done and the number of all, after each data file.
+    keep : int, optional
+        Keep as many of the first frames, those of whole episodes, for who wants to draw them.
+    executor : Executor, optional
+        What runs the fold over the data files; threads unless given.
+
+    Raises
+    ------
+    DatasetError
+        If a data file is missing, damaged, or not what the schema and the index say.
+
+    Examples
+    --------
+    >>> import z2r
+    >>> z2r.inspect_dataset("standin")
+    Inspection(6 episodes, reached 6 of 6)
+    """
+    dataset = _loaded(dataset)
+    reading = reading or choose_reading(dataset.schema)
+    return inspections.inspect_dataset(dataset, mode, reading, progress, keep)
+
+
+def audit(
+    dataset: Dataset | str | os.PathLike[str],
+    mode: BreakMode | None = None,
+    reading: Reading | None = None,
+    progress: Progress = no_progress,
+    executor: Executor | None = None,
+) -> Audit:
+    """Look for everything that can be wrong with a dataset, in one pass over its files.
+
+    Parameters
+    ----------
+    dataset : Dataset, str or path
+        The folder, or a dataset from it. It is not written to; outside of it, only a verdict beside it is read.
+    mode : BreakMode, optional
+        Audit what somebody believes who gets this assumption wrong. The dataset must be whole.
+    reading : Reading, optional
+        What the columns mean; the one that ships and fits, unless given. The scene that it names adds its checks.
+    progress : callable, optional
+        Called with the number of data files done and the number of all, after each.
+    executor : Executor, optional
+        What runs the pass over the data files; threads unless given.
+
+    Raises
+    ------
+    DatasetError
+        Only with a `mode`: if the dataset is not whole.
+
+    Examples
+    --------
+    >>> import z2r
+    >>> z2r.audit("standin").findings
+    ()
+    >>> [finding.check for finding in z2r.audit("standin", z2r.break_mode("yaw-swap-everywhere")).findings]
+    ['overlap']
+    """
+    root = dataset.root if isinstance(dataset, Dataset) else find_dataset(dataset)
+    reading = reading or _reading_for(root)
+    return audits.audit(root, mode, reading or PUSHT, progress)
+
+
+def write_replay(
+    dataset: Dataset | str | os.PathLike[str],
+    path: str | os.PathLike[str],
+    reading: Reading | None = None,
+    max_frames: int = 20_000,
+) -> "Replay":
+    """Write the first episodes of a dataset into a rerun recording (.rrd). Needs the extra ``view``.
+
+    Parameters
+    ----------
+    dataset : Dataset, str or path
+        From `z2r.load`, or what that takes; or what a break mode makes of it.
+    path : str or path
+        The .rrd file to write. One that is there is replaced.
+    reading : Reading, optional
+        What the columns mean; the one that ships and fits, unless given.
+    max_frames : int, optional
+        Show whole episodes up to this many frames; of a longer first episode, its beginning.
+
+    Raises
+    ------
+    DatasetError
+        If a data file is missing, damaged, or not what the schema and the index say.
+    """
+    from z2r.show import replay
+
+    dataset = _loaded(dataset)
+    n_episodes = len(beginning(dataset.episodes, max_frames))
+    inspection = inspect_dataset(dataset.first(n_episodes), reading=reading, keep=max_frames)
+    return replay.write_replay(inspection, Path(path), scene_of(inspection.reading))
+
+
+def write_report(
+    dataset: Dataset | str | os.PathLike[str],
+    path: str | os.PathLike[str],
+    reading: Reading | None = None,
+    progress: Progress = no_progress,
+) -> Report:
+    """Write a page that shows a dataset.
+
+    Parameters
+    ----------
+    dataset : Dataset, str or path
+        From `z2r.load`, or what that takes.
+    path : str or path
+        The .html file to write. One that is there is replaced; folders that are missing are made.
+    reading : Reading, optional
+        What the columns mean; the one that ships and fits, unless given.
+    progress : callable, optional
+        Called with the number of frames done and the number of all, after each data file.
+
+    Raises
+    ------
+    DatasetError
+        If a data file is missing, damaged, or not what the schema and the index say.
+    ValueError
+        If `path` is inside the dataset, which is never written to.
+    """
+    dataset = _loaded(dataset)
+    keep = reports.n_frames_in_report(dataset.schema)
+    inspection = inspect_dataset(dataset, reading=reading, progress=progress, keep=keep)
+    return reports.write_report(inspection, path, scene_of(inspection.reading))
+
+
+def panel(dataset: Dataset | str | os.PathLike[str], reading: Reading | None = None) -> Panel:
+    """Show a dataset in a notebook, as `write_report` shows it: put the call last in a cell.
+
+    Parameters
+    ----------
+    dataset : Dataset, str or path
+        From `z2r.load`, or what that takes.
+    reading : Reading, optional
+        What the columns mean; the one that ships and fits, unless given.
+
+    Raises
+    ------
+    DatasetError
+        If a data file is missing, damaged, or not what the schema and the index say.
+
+    Examples
+    --------
+    >>> import z2r
+    >>> z2r.panel("standin")
+    Panel: standin, episodes: 6, frames: 427, reached the target: 6 of 6 (reconstructed)
+    """
+    dataset = _loaded(dataset)
+    inspection = inspect_dataset(dataset, reading=reading, keep=reports.n_frames_in_panel(dataset.schema))
+    return reports.panel(inspection, scene_of(inspection.reading))
+
+
+def _loaded(dataset: Dataset | str | os.PathLike[str]) -> Dataset:
+    return dataset if isinstance(dataset, Dataset) else load(dataset)
+
+
+def _reading_for(root: Path) -> Reading | None:
+    """Choose a reading for a folder; none where its schema cannot be read, which the audit will say."""
+    try:
+        return choose_reading(read_schema(root))
+    except DatasetError:
+        return None
