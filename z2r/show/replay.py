@@ -10,10 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import pyarrow as pa
 import rerun as rr
 import rerun.blueprint as rrb
-from rerun.blueprint.components import TimeRangeBatch
 
 from z2r.arrays import Array, Columns, Floats, Ints
 from z2r.format.schema import ACTION, STATE, Schema
@@ -243,24 +241,10 @@ def _world_view(view: _View) -> rrb.Spatial3DView:
 
 
 def _plot(name: str, origin: str, legend: bool = True) -> rrb.TimeSeriesView:
+    whole_recording = rr.TimeRange(start=rr.TimeRangeBoundary.infinite(), end=rr.TimeRangeBoundary.infinite())
     return rrb.TimeSeriesView(
         name=name,
         origin=origin,
-        axis_x=rrb.TimeAxis(view_range=_whole_recording()),
+        axis_x=rrb.TimeAxis(view_range=whole_recording),
         plot_legend=rrb.PlotLegend(rrb.Corner2D.RightTop, visible=legend),
     )
-
-
-def _whole_recording() -> pa.Array:
-    """Return the time range without a beginning and an end, as rerun stores it.
-
-    `rr.TimeRange` says the same, but makes its array of a Python list, for which pyarrow imports pandas (0.2 s of CPU).
-    """
-    kind = TimeRangeBatch._ARROW_DATATYPE
-    infinite = kind.field("start").type.num_fields - 1  # the last variant of the union
-    tags = pa.py_buffer(np.array([infinite], dtype=np.int8))
-    no_integers = pa.Array.from_buffers(pa.int64(), 0, [None, pa.py_buffer(b"")])
-    children = [pa.nulls(0), no_integers, no_integers, pa.nulls(1)]
-    buffers = [None, tags, pa.py_buffer(np.zeros(1, dtype=np.int32))]
-    ends = [pa.UnionArray.from_buffers(field.type, 1, buffers, children=children) for field in kind]
-    return pa.StructArray.from_arrays(ends, fields=list(kind))
