@@ -71,8 +71,8 @@ z2r.panel(dataset)
 
 # %% [markdown]
 # The same as a still picture: all of one demonstration. `z2r.PUSHT` is a *reading*: it says which named column means
-# what, and what counts as reached. `z2r.decode` applies it to some frames. Look at three things: where the block starts,
-# how the orange line of the pusher leads around it before it pushes, and where the block ends.
+# what, and what counts as reached. `z2r.decode` applies it to some frames. Look at three things: where the block
+# starts, how the orange line of the pusher leads around it before it pushes, and where the block ends.
 
 # %%
 episode = dataset.read("observation.state")[dataset.episodes[1]]

@@ -137,8 +137,8 @@ for name, number in zip(names, rows[0]["observation.state"], strict=True):
 # the recording. Here positions are in metres and actions are velocities in metres per second. So says its maker, and
 # a check below bears it out. Sines and cosines have no unit. If you record data of your own, write this down.
 #
-# The same ten numbers as a picture: look for the pusher at x = -0.353 and y = 0.229. `z2r.PUSHT` is a *reading*: somebody
-# wrote down there what each name means, units included.
+# For this task somebody did. `z2r.PUSHT` is a *reading*: it says what each name means, units included. With its help,
+# the same ten numbers become a picture. Look for the pusher at x = -0.353 and y = 0.229.
 
 # %%
 dataset = z2r.load(z2r.STANDIN)

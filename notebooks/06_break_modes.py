@@ -90,8 +90,8 @@ def tell(reading):
 tell(z2r.PUSHT)
 
 # %% [markdown]
-# It also says what counts. An episode *reached* the target if, in its last stored frame, the block is close enough to it
-# and turned little enough away from it. Each of the two is a *goal*.
+# It also says what counts. An episode *reached* the target if, in its last stored frame, the block is close enough to
+# it and turned little enough away from it. Each of the two is a *goal*.
 
 # %%
 for goal in z2r.PUSHT.goal:
@@ -142,13 +142,12 @@ file = Path(z2r.__file__).parent / "pusht/pusht.toml"
 print(file.read_text())
 
 # %% [markdown]
-# The format is TOML: a name in brackets opens a section, and each line in it gives a value to a key. The three poses are
-# the things that have a place. Each `[[goal]]` must hold in the frame that decides. `[action]` says what the action
-# does, and `[columns]` what is known of single columns. `scene` says that pusher and block have known shapes, which you
-# will need at the end of this page.
+# The format is TOML: a name in brackets opens a section, and each line in it gives a value to a key. The three *poses*
+# are the things that have a place. Every `[[goal]]` must hold in the last stored frame. `[action]` says what the action
+# does, `[columns]` gives units and limits, and `scene` names the task whose bodies and walls `z2r` knows.
 #
-# `read_reading` reads such a file, and that is the whole making of `z2r.PUSHT`. What it returns cannot be changed, but
-# you can have a copy in which one thing is different. Here is one with a stricter goal.
+# `read_reading` reads such a file, and nothing else makes `z2r.PUSHT`. A reading cannot be changed, but you can have a
+# copy in which one thing is different. Here is one with a stricter goal.
 
 # %%
 print("the file is z2r.PUSHT:", z2r.read_reading(file) == z2r.PUSHT)
