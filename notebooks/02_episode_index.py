@@ -214,7 +214,7 @@ print(length.sum(), info["total_frames"])
 
 # %% [markdown]
 # Why store it three times? Because when they disagree, something is broken: a recording crashed, or somebody edited
-# the dataset with a script of his own. `z2r.load` compares ranges, lengths and totals each time. It does not
+# the dataset with a script of their own. `z2r.load` compares ranges, lengths and totals each time. It does not
 # open the frames for that, so the second story is yours to check.
 #
 # Break a range and see. In this copy of the dataset, episode 1 ends at 142 in place of 141.

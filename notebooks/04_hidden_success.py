@@ -170,7 +170,7 @@ print("ang_err in its band from frame", np.argmax(errors["ang_err"] < task.ANG_T
 # ## Decide
 #
 # An episode **reached** the target when its last stored frame is within both tolerances. That is our rule, and it is
-# short. Which frame decides is a line of the reading too. The right one says: the last.
+# short. (A reading may name another frame that decides. Ours names none, so it is the last.)
 
 # %%
 show_source(z2r.episode_reached)

@@ -287,9 +287,9 @@ within = 0.2
 """
 
 # %% [markdown]
-# Eleven lines. Two *poses*, and two *goals*: the distance from the part to the slot must be less than 0.03 m (a pose can
-# name another `unit`), and the turn from one to the other less than 0.2 radians. What you call a thing, or a goal, is up
-# to you. What is in quotation marks after `x`, `y`, `sin` and `cos` must be names of columns.
+# Eleven lines. Two *poses*, and two *goals*: the distance from the part to the slot must be less than 0.03 m (a pose
+# can name another `unit`), and the turn from one to the other less than 0.2 radians. What you call a thing, or a goal,
+# is up to you. What is in quotation marks after `x`, `y`, `sin` and `cos` must be names of columns.
 #
 # A thing in space has a `z` too, and a `quaternion` in place of the yaw. A goal need not be about two poses. It can be
 # a limit on one column, or a column that says it outright, as in `stored = "next.success"`.
@@ -304,7 +304,8 @@ print(my_reading)
 
 # %% [markdown]
 # It understood. Now inspect the dataset with this reading, once right, and once with the two columns of the part's yaw
-# swapped. The break modes of [the notebook before](06_break_modes.ipynb) work on any reading.
+# swapped. The break modes of [the notebook before](06_break_modes.ipynb) work on any reading that has what they get
+# wrong.
 
 # %%
 for mode in (None, z2r.break_mode("yaw-swap")):
@@ -322,7 +323,7 @@ figures.final_poses(z2r.load(other), my_reading)
 # %% [markdown]
 # Six arrows near the dotted one, all nearly parallel to it: that is what reached looks like here.
 #
-# What if you make a typing error? There are two kinds. A key that means nothing is an error, in one line.
+# What if you make a typo? There are two kinds. A key that means nothing is an error, in one line.
 
 # %%
 typo = Path("z2r-out/typo.toml")
@@ -355,7 +356,7 @@ print(len(z2r.load(damaged).episodes), "episodes")
 
 # %% [markdown]
 # It looks fine. `load` reads the schema and the episode index, and those are whole. The frames are read when they are
-# needed, and that is where it shows. Every fault in a dataset is the same kind of error as your typing error was, a
+# needed, and that is where it shows. Every fault in a dataset is the same kind of error as your typo was, a
 # `DatasetError`, so it can be caught and taken apart.
 
 # %%
