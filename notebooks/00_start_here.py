@@ -70,13 +70,14 @@ dataset = z2r.load(z2r.STANDIN)
 z2r.panel(dataset)
 
 # %% [markdown]
-# The same as a picture that stands still: all of one demonstration. `z2r.PUSHT` says which column of the dataset means
-# what. Look at three things: where the block starts, how the orange line of the pusher leads around it before it
-# pushes, and where the block ends.
+# The same as a still picture: all of one demonstration. `z2r.PUSHT` is a *reading*: it says which named column means
+# what, and what counts as reached. `z2r.decode` applies it to some frames. Look at three things: where the block
+# starts, how the orange line of the pusher leads around it before it pushes, and where the block ends.
 
 # %%
-state = dataset.read("observation.state")
-figures.episode_path(state[dataset.episodes[1]], z2r.PUSHT, dataset.schema)
+episode = dataset.read("observation.state")[dataset.episodes[1]]
+right = z2r.decode(episode, z2r.PUSHT, dataset.schema)
+figures.episode_path(right)
 
 # %% [markdown]
 # The block begins far from the target and turned away from it, and ends on it. You just read a dataset. The next three
@@ -122,14 +123,15 @@ print(*info["features"])
 # frame, which episode, at what time. There is no success and no reward.
 #
 # But the observation holds the block's pose and the target's. So look at the **last** frame of each episode: if the
-# block is on the target there, the episode *reached* it. "On" means within 3 cm and within 0.2 radians (about 11
-# degrees), the tolerances of the task itself. That is what `inspect_dataset` does, for every episode.
+# block is on the target there, the episode *reached* it. "On" means less than 3 cm off and turned by less than 0.2
+# radians (about 11 degrees), the tolerances of the task itself. That is what `inspect_dataset` does, for every episode.
 
 # %%
 outcome = z2r.inspect_dataset(dataset).outcome
-for episode, (pos_err, ang_err) in enumerate(zip(outcome.final_pos_err, outcome.final_ang_err, strict=True)):
-    print(f"episode {episode}: {100 * pos_err:.1f} cm off, turned by {ang_err:.2f} rad")
-print(f"reached: {outcome.n_reached} of {len(outcome.reached)}")
+pos_err, ang_err = outcome.final_errors["pos_err"], outcome.final_errors["ang_err"]
+for i in range(len(dataset.episodes)):
+    print(f"episode {i}: {100 * pos_err[i]:.1f} cm off, turned by {ang_err[i]:.2f} rad")
+print("reached:", outcome.tally)
 
 # %% [markdown]
 # All six are within the tolerances. This number was not in the file. It was *reconstructed*, and it is as good as the
@@ -176,20 +178,22 @@ practice.check_yaw_swap(prediction)
 # %%
 for mode in (None, z2r.break_mode("yaw-swap")):
     read = z2r.inspect_dataset(dataset.first(3), mode)
-    share = f"{read.outcome.success_rate:.0%}"
+    share = f"{read.outcome.share_reached:.0%}"
     print(f"{read.break_mode or 'read right':10}  lengths {read.episodes.lengths}  reached {share}")
 
 # %% [markdown]
 # Same episodes, same lengths, and 100% became 0%. If you had only seen the second line, you might have thrown away
-# perfect data. Look at the episode from the first picture in both readings. On the right, where does the block end?
+# perfect data. Here is the episode from the first picture, decoded a second time with the wrong reading. On the right,
+# where does the block end?
 
 # %%
-wrong = z2r.break_mode("yaw-swap").reading(z2r.PUSHT)
-figures.right_and_wrong(state[dataset.episodes[1]], z2r.PUSHT, wrong, dataset.schema)
+yaw_swap = z2r.break_mode("yaw-swap").reading(z2r.PUSHT)
+wrong = z2r.decode(episode, yaw_swap, dataset.schema)
+figures.right_and_wrong(right, wrong)
 
 
 # %% [markdown]
-# It ends in the right place, lying on its side, and the pusher stands inside it. That is the signature of `yaw-swap`:
+# It ends in the right place, lying on its side, and the pusher is inside it. That is the signature of `yaw-swap`:
 # the positions are right, the angles are not. Now go back to the panel at the top, choose `yaw-swap` there, and watch
 # all six collapse to 0%.
 #

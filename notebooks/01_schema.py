@@ -137,12 +137,13 @@ for name, number in zip(names, rows[0]["observation.state"], strict=True):
 # the recording. Here positions are in metres and actions are velocities in metres per second. So says its maker, and
 # a check below bears it out. Sines and cosines have no unit. If you record data of your own, write this down.
 #
-# The same ten numbers as a picture: look for the pusher at x = -0.353 and y = 0.229.
+# For this task somebody did. `z2r.PUSHT` is a *reading*: it says what each name means, units included. With its help,
+# the same ten numbers become a picture. Look for the pusher at x = -0.353 and y = 0.229.
 
 # %%
 dataset = z2r.load(z2r.STANDIN)
 state = dataset.read("observation.state")
-figures.episode_path(state[:1], z2r.PUSHT, dataset.schema)
+figures.episode_path(z2r.decode(state[:1], z2r.PUSHT, dataset.schema))
 
 # %% [markdown]
 # One frame is one moment. The pusher is far away, at the upper left, and the block lies almost upside down.
@@ -242,9 +243,9 @@ print(state.shape, np.array_equal(state[0], rows[0]["observation.state"]))
 # %% [markdown]
 # ## Names, not column numbers
 #
-# The block's sine stands in column 4, counted from 0. So `state[:, 4]` gets it, and many people write just that.
-# Now suppose that somebody records the same ten numbers and sorts the names by the alphabet. What stands in
-# column 4 then? Here are both names, each with its smallest and its largest value in the 427 frames.
+# The block's sine is in column 4, counted from 0. So `state[:, 4]` gets it, and many people write just that. Now
+# suppose that somebody records the same ten numbers and sorts the names alphabetically. What is in column 4 then?
+# Here are both names, each with its smallest and its largest value in the 427 frames.
 
 # %%
 for name in (names[4], sorted(names)[4]):
@@ -283,7 +284,7 @@ show_source(z2r.Schema.columns)
 #
 # **Complete the line.** `values_of` should return all values of one dimension, one number for each frame. It is
 # given the state, a schema, and a name such as `"tee_x"`. Replace the three dots. The check tries your function on
-# this dataset, and on others where the same names stand in other columns.
+# this dataset, and on others where the same names have other columns.
 
 
 # %% tags=["exercise", "values-of"]

@@ -77,7 +77,7 @@ print(frames.num_rows, "frames")
 
 # %% [markdown]
 # Now look at five of them: their number in the dataset, their bookkeeping, and the block's y. The schema in
-# `meta/info.json` says at which place of the state `tee_y` stands.
+# `meta/info.json` says which of the ten numbers of the state `tee_y` is.
 
 # %%
 info = json.loads((z2r.STANDIN / "meta/info.json").read_text())
@@ -178,7 +178,7 @@ print(command[command.index("max_steps") :].strip(')"'))
 # dataset, and they cost nothing.
 #
 # **Bug hunt.** `cut` should return the frames of one episode. It runs, it returns an array, and its length looks
-# about right. Yet for most episodes, one frame in it is foreign. Find out which, and mend the function. `frames`
+# about right. Yet for most episodes, one frame in it is foreign. Find out which, and fix the function. `frames`
 # can be any array with a row for every frame, and `index` is `dataset.episodes`. The check hands it the numbers 0
 # to 426 as frames, so that you can read from the answer which ones you cut out. Where your answer ends in another
 # episode, the check draws the block in its last frame.
@@ -214,8 +214,8 @@ print(length.sum(), info["total_frames"])
 
 # %% [markdown]
 # Why store it three times? Because when they disagree, something is broken: a recording crashed, or somebody edited
-# the dataset with a script of his own. `z2r.load` holds ranges, lengths and totals against each other each time. It
-# does not open the frames for that, so the second story is yours to check.
+# the dataset with a script of their own. `z2r.load` compares ranges, lengths and totals each time. It does not
+# open the frames for that, so the second story is yours to check.
 #
 # Break a range and see. In this copy of the dataset, episode 1 ends at 142 in place of 141.
 

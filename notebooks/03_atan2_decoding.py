@@ -81,7 +81,7 @@ print("sine in column", sin_column, "and cosine in column", cos_column)
 # %% [markdown]
 # ## Why two numbers for one angle
 #
-# Because an angle jumps. Take two blocks, one turned to 179° and one to -179°. They stand almost the same: turn the
+# Because an angle jumps. Take two blocks, one turned to 179° and one to -179°. They look almost the same: turn the
 # first by 2° more and you pass 180°, which is the same direction as -180°, and arrive at the second. But as numbers,
 # they are far apart. Their sine and cosine are not.
 
@@ -96,8 +96,8 @@ for degrees in (179, -179):
 # cosine change a little when the block turns a little, everywhere on the circle. The angle itself does not.
 #
 # Why does it matter? A policy is a neural network, and a network is a continuous function: inputs that are close give
-# outputs that are close. Here the yaw is an *input*, a part of the observation. As one number, two blocks that stand
-# almost the same would look to the network as different as two blocks can be.
+# outputs that are close. Here the yaw is an *input*, a part of the observation. As one number, two blocks that point
+# almost the same way would look to the network as different as two blocks can be.
 #
 # As an *output* it would be worse: the network would have to jump from one number to the other, and what it gives
 # lies in between. A usual loss (the squared error) even asks for this: where two answers are equally likely, the best
@@ -109,7 +109,7 @@ print("mean of the angles:", np.rad2deg(two.mean()))
 print(f"mean of sin and cos: {np.sin(two).mean():.3f} and {np.cos(two).mean():.3f}")
 
 # %% [markdown]
-# The mean of the angles is 0°: a block that stands the other way round. The mean of the sines and cosines is (0, -1),
+# The mean of the angles is 0°: a block that points the other way. The mean of the sines and cosines is (0, -1),
 # which is the direction 180°, right between the two.
 #
 # ## Decode one frame by hand
@@ -242,12 +242,17 @@ for name, first, second in (("right", sines, cosines), ("swapped", cosines, sine
 
 # %% [markdown]
 # The block turned counter-clockwise, which is the plus sign. The swapped reading has it turn clockwise, by the same
-# amount. Here is that episode in both readings. The positions are the same in both. Look at how the block stands at
-# the start and at the end.
+# amount.
+#
+# Here is that episode in both readings. A *reading* says which column means what: `z2r.PUSHT` is the right one, and
+# `yaw-swap` makes the wrong one of it. The positions are the same in both. Look at how the block is turned at the start
+# and at the end.
 
 # %%
 swapped = z2r.break_mode("yaw-swap").reading(z2r.PUSHT)
-figures.right_and_wrong(state[dataset.episodes[1]], z2r.PUSHT, swapped, dataset.schema)
+one = state[dataset.episodes[1]]
+both = [z2r.decode(one, reading, dataset.schema) for reading in (z2r.PUSHT, swapped)]
+figures.right_and_wrong(*both)
 
 # %% [markdown]
 # On the left, the block comes to rest on the target. On the right, it ends in the same place, lying on its side. But
@@ -269,7 +274,7 @@ for name, frame in (("start", 0), ("end", -1)):
 # %%
 for name, reading in (("right", z2r.PUSHT), ("swapped", swapped)):
     outcome = z2r.inspect_dataset(dataset, reading=reading).outcome
-    print(f"{name:8} {outcome.n_reached} of {len(outcome.reached)} reached")
+    print(f"{name:8} {outcome.tally} reached")
 
 # %% [markdown]
 # Perfect data, and it looks worthless.
@@ -302,7 +307,7 @@ practice.check_swap(prediction)
 # %% [markdown]
 # **Complete the line.** The function takes the sine and the cosine of a yaw, and must return the yaw in radians.
 # Replace the three dots. The check tries five yaws, from all around the circle. If one is wrong, it draws the block
-# as it stands and as you have it.
+# as it is turned and as you have it.
 
 
 # %% tags=["exercise", "decode"]
@@ -316,7 +321,7 @@ practice.check_decode(decode)
 # %% [markdown]
 # **Bug hunt.** The function below should say how far apart two yaws are, in radians, from 0 to pi. Its author knew
 # about the jump. From 10° to 40° it says 30°, which is right. From 179° to -179° it is wrong, though it does wrap.
-# Find the mistake and mend it.
+# Find the mistake and fix it.
 
 
 # %% tags=["exercise", "turn"]

@@ -72,11 +72,12 @@ print(len(state), "frames in all,", len(first), "in the first episode,", dataset
 
 # %% [markdown]
 # A frame says where the block is: x and y in metres, and a *yaw*, the angle by which it is turned. The yaw is stored as
-# its sine and cosine. `z2r.PUSHT` is the right *reading*: it says which columns those are. `read_pose` decodes them.
+# its sine and cosine. `z2r.PUSHT` is the right *reading*: it says which columns those are, and that the block is called
+# `tee`. `z2r.decode` reads the frames with it.
 
 # %%
-columns = z2r.named_columns(first, z2r.PUSHT, dataset.schema)
-block = z2r.read_pose(columns, z2r.PUSHT.tee)
+decoded = z2r.decode(first, z2r.PUSHT, dataset.schema)
+block = decoded.pose("tee")
 print(f"the block begins at ({block.x[0]:.3f}, {block.y[0]:.3f}) m, turned by {np.rad2deg(block.yaw[0]):.0f} degrees")
 
 # %% [markdown]
@@ -179,11 +180,11 @@ pos_err = rows("replay.rrd", "/eval/pos_err", "Scalars:scalars")
 print("eval/pos_err:", len(pos_err), "rows. The dataset:", len(state), "frames")
 
 # %% [markdown]
-# Then the positions. The block's x and y stand in the recording as a *translation* of three numbers, x, y and z.
+# Then the positions. The recording keeps the block's x and y as a *translation* of three numbers, x, y and z.
 
 # %%
 translation = np.array(rows("replay.rrd", "/world/objects/tee", "Transform3D:translation"))
-everywhere = z2r.read_pose(z2r.named_columns(state, z2r.PUSHT, dataset.schema), z2r.PUSHT.tee)
+everywhere = z2r.decode(state, z2r.PUSHT, dataset.schema).pose("tee")
 apart = np.hypot(translation[:, 0] - everywhere.x, translation[:, 1] - everywhere.y)
 print(f"largest difference in position: {1000 * apart.max():.3f} mm")
 
@@ -210,7 +211,7 @@ print(f"largest difference in yaw: {np.rad2deg(apart).max():.3f} degrees")
 # ### Practice: a block that turns too far
 #
 # **Bug hunt.** Somebody wrote their own function that makes a quaternion of a yaw. In their viewer, the block turns
-# twice as fast as it should. Find what is wrong and mend it in the cell.
+# twice as fast as it should. Find what is wrong and fix it in the cell.
 
 
 # %% tags=["exercise", "quaternion"]
@@ -251,7 +252,7 @@ Image(REPLAY_STILL.read_bytes())
 # other rises.
 
 # %%
-errors = z2r.frame_errors(first, z2r.PUSHT, dataset.schema)
+errors = z2r.frame_errors(decoded)
 figures.error_traces(errors, z2r.PUSHT, dataset.schema.fps)
 
 # %% [markdown]
@@ -260,12 +261,13 @@ figures.error_traces(errors, z2r.PUSHT, dataset.schema.fps)
 # and what it did.
 
 # %%
+pos_err, ang_err = errors["pos_err"], errors["ang_err"]
 moving = np.hypot(np.diff(block.x), np.diff(block.y)) > 0.001  # more than 1 mm from this frame to the next
 edges = np.flatnonzero(np.diff(np.concatenate([[False], moving, [False]]).astype(int)))
 for start, stop in edges.reshape(-1, 2):
     print(f"{start / 10:.1f} to {stop / 10:.1f} s:", end=" ")
-    print(f"distance {1000 * errors.pos_err[start]:3.0f} to {1000 * errors.pos_err[stop]:3.0f} mm,", end=" ")
-    print(f"turned by {errors.ang_err[start]:.2f} to {errors.ang_err[stop]:.2f} rad")
+    print(f"distance {1000 * pos_err[start]:3.0f} to {1000 * pos_err[stop]:3.0f} mm,", end=" ")
+    print(f"turned by {ang_err[start]:.2f} to {ang_err[stop]:.2f} rad")
 
 # %% [markdown]
 # Three pushes, and a story. For 2.4 s nothing happens: the pusher walks around the block to the side where it can push.
@@ -276,7 +278,7 @@ for start, stop in edges.reshape(-1, 2):
 #
 # ## Replay it wrong
 #
-# A recording shows the dataset *as the reading has it*. A wrong reading draws a wrong film, and often one sees at once
+# A recording shows the dataset *as the reading has it*. A wrong reading draws a wrong film, and often you see at once
 # that it is wrong. Take `yaw-swap`: the sine and the cosine of the block's yaw are taken for each other. We write the
 # same episodes again, with that reading.
 
@@ -325,7 +327,7 @@ for file in ("replay.rrd", "no_episodes.rrd"):
 # two episodes.
 
 # %%
-figures.episode_path(state, z2r.PUSHT, dataset.schema)
+figures.episode_path(z2r.decode(state, z2r.PUSHT, dataset.schema))
 
 # %% [markdown]
 # Each straight line of the pusher leads from the end of an episode to the start of the next. Nothing moved along it:

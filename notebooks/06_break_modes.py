@@ -29,7 +29,7 @@
 #
 # **By the end you can**
 #
-# - **build** a wrong reading on purpose, and say what it assumes;
+# - **build** a reading from a file, and a wrong one on purpose;
 # - **recognise** three wrong readings by what they leave behind;
 # - **check** a reading without a label, by how far solid bodies overlap;
 # - **avoid** a file name that breaks Python itself.
@@ -48,7 +48,6 @@ if importlib.util.find_spec("z2r") is None:
 # %%
 import subprocess
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -76,25 +75,27 @@ print(*names[6:])
 
 
 # %% [markdown]
-# What do the names mean? That is not in the file, somebody has to believe it. A *reading* writes the beliefs down. The
-# block's prefix is `tee`. A *yaw*, the angle by which a thing is turned, is stored as its sine and its cosine. This is
-# the right reading, which is called `z2r.PUSHT`.
+# What do the names mean? The dataset does not say. Somebody has to believe it, and a *reading* writes the beliefs down.
+# `tee` is the block. A *yaw*, the angle by which a thing is turned, is stored as its sine and its cosine. The right
+# reading of this task is `z2r.PUSHT`. Here is what it believes of the two things that can be turned.
 
 
 # %%
 def tell(reading):
-    for thing, pose in (("block", reading.tee), ("target", reading.target)):
-        print(f"{thing:6}  at ({pose.x}, {pose.y}), yaw = atan2({pose.sin_yaw}, {pose.cos_yaw})")
+    for thing in ("tee", "target"):
+        pose = reading.poses[thing]
+        print(f"{thing:6}  at ({pose.x}, {pose.y}), yaw = {pose.yaw.formula}")
 
 
 tell(z2r.PUSHT)
 
 # %% [markdown]
-# It also holds the tolerances. An episode *reached* the target if, in its last stored frame, the block is close enough
-# to it and turned little enough away from it.
+# It also says what counts. An episode *reached* the target if, in its last stored frame, the block is close enough to
+# it and turned little enough away from it. Each of the two is a *goal*.
 
 # %%
-print("close enough:", z2r.PUSHT.pos_tol, "m. Little enough:", z2r.PUSHT.ang_tol, "rad")
+for goal in z2r.PUSHT.goal:
+    print(goal.says(z2r.PUSHT.unit(goal)))
 
 # %% [markdown]
 # ## One wrong belief
@@ -131,24 +132,39 @@ n_reached_everywhere = None
 practice.predict_yaw_swap(n_frames, longest, n_reached, n_reached_everywhere)
 
 # %% [markdown]
-# How is such a reading made? A reading is a frozen dataclass: it cannot be changed, but `replace` makes a copy with
-# some fields replaced. For example, a reading with a stricter tolerance:
+# ## A reading is a file
+#
+# How is such a reading made? By writing it down. There is no code in a reading, only names and numbers, so it fits into
+# a small text file. This is all of `z2r.PUSHT`. Find the two lines with `sin` and `cos`, and the two with `within`.
 
 # %%
-stricter = replace(z2r.PUSHT, pos_tol=0.01)
-print("the copy:", stricter.pos_tol, "m. The original:", z2r.PUSHT.pos_tol, "m")
+file = Path(z2r.__file__).parent / "pusht/pusht.toml"
+print(file.read_text())
+
+# %% [markdown]
+# The format is TOML: a name in brackets opens a section, and each line in it gives a value to a key. The three *poses*
+# are the things that have a place. Every `[[goal]]` must hold in the last stored frame. `[action]` says what the action
+# does, `[columns]` gives units and limits, and `scene` names the task whose bodies and walls `z2r` knows.
+#
+# `read_reading` reads such a file, and nothing else makes `z2r.PUSHT`. A reading cannot be changed, but you can have a
+# copy in which one thing is different. Here is one with a stricter goal.
+
+# %%
+print("the file is z2r.PUSHT:", z2r.read_reading(file) == z2r.PUSHT)
+stricter = z2r.PUSHT.with_goal("pos_err", within=0.01)
+print("the copy:", stricter.goal[0].says("m"), "  the original:", z2r.PUSHT.goal[0].says("m"))
 
 
 # %% [markdown]
 # ### Practice: make the swap yourself
 #
-# **Complete the line.** The function takes a pose with four fields, `x`, `y`, `sin_yaw` and `cos_yaw`, each the name of
-# a column. It should return a copy in which the names of the sine and the cosine are exchanged. Use `replace` in place
-# of the three dots.
+# **Complete the line.** So `yaw-swap` is two names exchanged in one line of a file. The function takes a yaw with two
+# fields, `yaw.sin` and `yaw.cos`, each the name of a column. It should return a yaw in which the two names are
+# exchanged. `z2r.YawColumns(sin="a", cos="b")` makes one. Put yours in place of the three dots.
 
 
 # %% tags=["exercise", "swap"]
-def swap(pose):
+def swap(yaw):
     return ...
 
 
@@ -168,8 +184,8 @@ for name in ("read right", "yaw-swap", "drop-boundaries", "yaw-swap-everywhere")
     mode = None if name == "read right" else z2r.break_mode(name)
     read = z2r.inspect_dataset(dataset, mode)
     ends, n = read.outcome, len(read.episodes)
-    low, high = ends.final_ang_err.min(), ends.final_ang_err.max()
-    reached = f"{ends.n_reached} of {n}  {low:.2f} to {high:.2f} rad"
+    ang_err = ends.final_errors["ang_err"]
+    reached = f"{ends.n_reached} of {n}  {ang_err.min():.2f} to {ang_err.max():.2f} rad"
     print(f"{name:20} {n:8}  {read.episodes.n_frames:6}   {reached}")
 
 # %% [markdown]
@@ -189,7 +205,7 @@ for name in ("read right", "yaw-swap", "drop-boundaries", "yaw-swap-everywhere")
 # the block from one frame to the next, once within the episodes and once over all frames.
 
 # %%
-block = z2r.read_pose(z2r.named_columns(state, z2r.PUSHT, dataset.schema), z2r.PUSHT.tee)
+block = z2r.decode(state, z2r.PUSHT, dataset.schema).pose("tee")
 step = np.hypot(np.diff(block.x), np.diff(block.y))
 joints = dataset.episodes.from_index[1:] - 1
 print(f"within the episodes: {1000 * np.delete(step, joints).max():.0f} mm, over all: {1000 * step.max():.0f} mm")
@@ -201,13 +217,14 @@ print(f"within the episodes: {1000 * np.delete(step, joints).max():.0f} mm, over
 # ## Two mistakes that cancel
 #
 # Now the dangerous one. Why is its number right? By hand, for the last frame of the first episode: the block's yaw and
-# the target's, and how far they are apart, first read right and then swapped.
+# the target's, and how far they are apart, first read right and then swapped. `z2r.decode` applies a reading to frames.
 
 # %%
 everywhere = z2r.break_mode("yaw-swap-everywhere").reading(z2r.PUSHT)
 for reading in (z2r.PUSHT, everywhere):
-    tee, target = z2r.read_pose(last, reading.tee), z2r.read_pose(last, reading.target)
-    print(f"block {tee.yaw[0]:5.2f}, target {target.yaw[0]:4.2f}, apart {abs(tee.yaw[0] - target.yaw[0]):.2f} rad")
+    decoded = z2r.decode(state[dataset.episodes[0]][-1:], reading, dataset.schema)
+    tee, target = decoded.yaw("tee")[0], decoded.yaw("target")[0]
+    print(f"block {tee:5.2f}, target {target:4.2f}, apart {abs(tee - target):.2f} rad")
 
 # %% [markdown]
 # Both yaws are wrong, and both are mirrored in the same way. The angle *between* them is not touched: a mirror keeps
@@ -218,7 +235,9 @@ for reading in (z2r.PUSHT, everywhere):
 # ring of the pusher is.
 
 # %%
-figures.right_and_wrong(state[dataset.episodes[1]], z2r.PUSHT, everywhere, dataset.schema)
+one = state[dataset.episodes[1]]
+both = [z2r.decode(one, reading, dataset.schema) for reading in (z2r.PUSHT, everywhere)]
+figures.right_and_wrong(*both)
 
 # %% [markdown]
 # On the right every **direction** is mirrored, but no **position** is. The target lies on its side, and the block still
@@ -239,7 +258,8 @@ figures.right_and_wrong(state[dataset.episodes[1]], z2r.PUSHT, everywhere, datas
 # %%
 whole = z2r.load(z2r.STANDIN)
 frames = whole.read("observation.state")
-figures.seen_from_block(frames, z2r.PUSHT, yaw_swap, whole.schema)
+right, wrong = (z2r.decode(frames, reading, whole.schema) for reading in (z2r.PUSHT, yaw_swap))
+figures.seen_from_block(right, wrong)
 
 # %% [markdown]
 # Each dot is the centre of the pusher in one frame. On the left there is a gap around the T, as wide as the pusher's
@@ -251,10 +271,11 @@ figures.seen_from_block(frames, z2r.PUSHT, yaw_swap, whole.schema)
 # less how far up the centre is.
 
 # %%
-deepest = overlap(frames, yaw_swap, whole.schema).argmax()
-for name, reading in (("read right", z2r.PUSHT), ("yaw-swap", yaw_swap)):
-    across, along = pusher_in_block(frames[deepest : deepest + 1], reading, whole.schema)
-    print(f"{name:10}  {1000 * along[0]:4.1f} mm up, so {15 + 15 - 1000 * along[0]:4.1f} mm inside the bar")
+deepest = overlap(wrong).argmax()
+for name, decoded in (("read right", right), ("yaw-swap", wrong)):
+    across, along = pusher_in_block(decoded)
+    up = 1000 * along[deepest]
+    print(f"{name:10}  {up:4.1f} mm up, so {15 + 15 - up:4.1f} mm inside the bar")
 
 # %% [markdown]
 # Read right, the pusher touches the bar: that is the frame of a push. Read wrong, its centre is almost in the middle of
@@ -272,13 +293,13 @@ show_source(overlap)
 # %%
 for name, reading in (("read right", z2r.PUSHT), ("yaw-swap", yaw_swap), ("yaw-swap-everywhere", everywhere)):
     for data in (whole, z2r.load(z2r.MESSY)):
-        depth = 1000 * overlap(data.read("observation.state"), reading, data.schema)
+        depth = 1000 * overlap(z2r.decode(data.read("observation.state"), reading, data.schema))
         print(f"{name:20} {data.root.name:8} deepest {depth.max():4.1f} mm,", end=" ")
         print(f"more than 5 mm in {np.sum(depth > 5):3} of {len(depth):4} frames")
 
 
 # %% [markdown]
-# A few mm against 30 mm: here is a number that tells the wrong reading from the right one, where the number of episodes
+# A few mm, or 30 mm: here is a number that tells the wrong reading from the right one, where the number of episodes
 # that reached the target did not. The gap is wide, so the exact limit does not matter much: the command `z2r audit`,
 # which makes this check for you, allows 10 mm, as other simulators may have softer contacts. Many datasets have such a
 # fact. Find it before you trust a number.
@@ -291,7 +312,7 @@ for name, reading in (("read right", z2r.PUSHT), ("yaw-swap", yaw_swap), ("yaw-s
 #
 # **Bug hunt.** This function should say where the pusher is as seen from the block. It takes the pusher's x and y, the
 # block's x and y, all in metres, and the block's yaw in radians. For a yaw of 0 it is right, for any other it is not.
-# Find what is wrong and mend it in the cell.
+# Find what is wrong and fix it in the cell.
 
 
 # %% tags=["exercise", "seen-from-block"]
@@ -345,7 +366,8 @@ print("Python's own is still itself:", inspect.isfunction(inspect.signature))
 # %% [markdown]
 # ## You can now
 #
-# - **build** a wrong reading: `z2r.break_mode("yaw-swap").reading(z2r.PUSHT)`, or `replace` by hand;
+# - **build** a reading: write a file and call `z2r.read_reading`. A wrong one:
+#   `z2r.break_mode("yaw-swap").reading(z2r.PUSHT)`;
 # - **recognise** three: a quarter turn in every episode, one long episode with leaps, or a right number with mirrored
 #   directions;
 # - **check** a reading by `overlap`: a few mm read right, 30 mm with a swapped yaw;

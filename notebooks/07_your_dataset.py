@@ -30,10 +30,11 @@
 #
 # - **sum up** any LeRobot v3 dataset: episodes, lengths, ranges;
 # - **tell** whether a reading fits it, and what can be said where none does;
+# - **write** a reading for a robot that this course has never seen;
 # - **understand** the message about a damaged dataset: which file, what is wrong, what to do;
 # - **decide** with a short checklist whether to train on it.
 #
-# It takes 15 minutes. You need nothing but this page. To record data of your own at the end, you need two more
+# It takes 20 minutes. You need nothing but this page. To record data of your own at the end, you need two more
 # packages, and the page tells you which.
 
 # %% tags=["setup"]
@@ -111,7 +112,7 @@ print(np.sum(lengths == lengths.max()), "have the greatest length,", lengths.max
 # ### Practice: the mean of a column
 #
 # **Bug hunt.** Before training, the mean of each column is needed, over all frames of the dataset. This function
-# takes the mean of each episode, and then the mean of those. It gives another number. Find out why, and mend it in
+# takes the mean of each episode, and then the mean of those. It gives another number. Find out why, and fix it in
 # the cell. The function gets one column, with a value for each frame, and the episode index. It does not have to use
 # both.
 
@@ -167,8 +168,8 @@ practice.check_never_moves(never_moves)
 # ## Does a reading fit?
 #
 # The dataset does not store which episodes went well. To find out, somebody has to say which columns hold the block
-# and the target, and how close is close enough. That is a *reading*. `z2r.PUSHT` is the reading of this task. Does
-# the dataset have the columns that it needs?
+# and the target, and how close is close enough. That is a *reading*. `z2r.PUSHT` is the reading of this task, and
+# `inspect_dataset` took it because it fits. Does the dataset really have the columns that it needs?
 
 # %%
 missing = z2r.PUSHT.missing(dataset.schema)
@@ -176,12 +177,12 @@ print("missing columns:", *missing or ["none, the reading fits"])
 
 # %% [markdown]
 # So the question can be asked: in how many episodes is the block on the target in the last stored frame? We say
-# *reached* for that. A rate without its number of episodes is worth little, so we print both.
+# *reached* for that. A share without its number of episodes is worth little, so we print both.
 
 # %%
 outcome = inspection.outcome
 if outcome:
-    print(f"reached: {outcome.n_reached} of {len(outcome.reached)}, {outcome.reached.mean():.0%}")
+    print(f"reached: {outcome.tally}, {outcome.share_reached:.0%}")
 else:
     print("no reading fits, so nothing about reached")
 
@@ -197,9 +198,9 @@ figures.final_poses(dataset, z2r.PUSHT) if outcome else print("no reading fits, 
 
 # %%
 if outcome:
-    for episode in np.flatnonzero(~outcome.reached):
-        distance, angle = 1000 * outcome.final_pos_err[episode], outcome.final_ang_err[episode]
-        print(f"episode {episode}: {distance:.0f} mm from the target, turned away by {angle:.2f} rad")
+    distance, angle = 1000 * outcome.final_errors["pos_err"], outcome.final_errors["ang_err"]
+    for i in np.flatnonzero(~outcome.reached):
+        print(f"episode {i}: {distance[i]:.0f} mm from the target, turned away by {angle[i]:.2f} rad")
 
 # %% [markdown]
 # Episodes 2 and 6 miss by less than a centimetre. Episode 4 is 59 mm off, and its angle is wrong too. A policy can
@@ -220,28 +221,29 @@ else:
 
 # %% [markdown]
 # They differ by one. Episode 10 is one of the four that ran out of time. In its last frame the block was on the
-# target, but it had not been there for five steps. The reading cannot know that. If you report a rate from your data,
-# say which of the two it is.
+# target, but it had not been there for five steps. The reading cannot know that. If you report a share of your
+# episodes, say which of the two it is: *reached*, or *success*.
 #
 # ## Another robot
 #
-# What about a robot that has no pusher and no T? We make such a dataset: a copy of `standin`, six demonstrations
-# which all reached the target, in which the ten columns of the state get other names. The names stand in one file,
-# `meta/info.json`, so it can be done by hand.
+# What about a robot that has no pusher and no T? Say, a hand that brings a part to a slot. We make its dataset from
+# `standin`, six demonstrations which all reached their goal: a copy in which every column gets another name. The names
+# are in one file, `meta/info.json`, so it can be done by hand.
 
 # %%
 other = Path("z2r-out/other_robot")
 shutil.copytree(z2r.STANDIN, other, dirs_exist_ok=True)
-info = json.loads((other / "meta/info.json").read_text())
-info["features"]["observation.state"]["names"] = [f"joint_{i}" for i in range(10)]
-(other / "meta/info.json").write_text(json.dumps(info))
+info = (other / "meta/info.json").read_text()
+for old, new in (("pusher", "hand"), ("tee", "part"), ("target", "slot")):
+    info = info.replace(old, new)
+(other / "meta/info.json").write_text(info)
 print(*z2r.load(other).schema.features["observation.state"].dim_names)
 
 # %% [markdown]
 # ### Practice: what will it say?
 #
 # **Predict, then run.** The numbers in the copy are the same as before, only their names are not. How many episodes
-# reached the target, says `z2r`? Put `"0 of 6"`, `"6 of 6"` or `"nothing"` in place of `None`.
+# reached their goal, says `z2r`? Put `"0 of 6"`, `"6 of 6"` or `"nothing"` in place of `None`.
 
 # %% tags=["exercise", "other-robot"]
 prediction = None
@@ -251,16 +253,95 @@ practice.predict_other_robot(prediction)
 # And here is what it says.
 
 # %%
-found = z2r.inspect_dataset(z2r.load(other))
+found = z2r.inspect_dataset(other)
 print(len(found.episodes), "episodes,", found.episodes.n_frames, "frames. Reached:", found.outcome)
-print(len(found.missing), "columns are missing, the first is", found.missing[0])
+missing = z2r.PUSHT.missing(found.schema)
+print(len(missing), "columns of z2r.PUSHT are missing, the first is", missing[0])
 
 # %% [markdown]
 # Episodes and frames are counted as ever, and the ranges are there too. Of reached it says `None`, which is Python
-# for "nothing". It could have guessed that the third column is still the block's x. A guess that looks like a number
-# is worse than no number. For your own task you write a reading of your own: a `z2r.Reading` with the names of your
-# columns and your tolerances, given as `z2r.inspect_dataset(dataset, reading=mine)`.
+# for "nothing". It could have guessed that the third column is still an x of something. A guess that looks like a
+# number is worse than no number.
 #
+# ## A reading of your own
+#
+# `z2r` does not know this robot. You do, so tell it. A reading is a small file in a format called TOML: which columns
+# say where a thing is, and what has to be true at the end.
+
+
+# %%
+text = """
+[poses]
+part = { x = "part_x", y = "part_y", yaw = { sin = "sin_part_yaw", cos = "cos_part_yaw" } }
+slot = { x = "slot_x", y = "slot_y", yaw = { sin = "sin_slot_yaw", cos = "cos_slot_yaw" } }
+
+[[goal]]
+name = "gap"
+distance = ["part", "slot"]
+within = 0.03
+
+[[goal]]
+name = "skew"
+turn = ["part", "slot"]
+within = 0.2
+"""
+
+# %% [markdown]
+# Eleven lines. Two *poses*, and two *goals*: the distance from the part to the slot must be less than 0.03 m (a pose
+# can name another `unit`), and the turn from one to the other less than 0.2 radians. What you call a thing, or a goal,
+# is up to you. What is in quotation marks after `x`, `y`, `sin` and `cos` must be names of columns.
+#
+# A thing in space has a `z` too, and a `quaternion` in place of the yaw. A goal need not be about two poses. It can be
+# a limit on one column, or a column that says it outright, as in `stored = "next.success"`.
+#
+# Write the file, and read it.
+
+# %%
+my_file = Path("z2r-out/my.toml")
+my_file.write_text(text)
+my_reading = z2r.read_reading(my_file)
+print(my_reading)
+
+# %% [markdown]
+# It understood. Now inspect the dataset with this reading, once right, and once with the two columns of the part's yaw
+# swapped. The break modes of [the notebook before](06_break_modes.ipynb) work on any reading that has what they get
+# wrong.
+
+# %%
+for mode in (None, z2r.break_mode("yaw-swap")):
+    found = z2r.inspect_dataset(other, mode, my_reading)
+    print(f"{found.break_mode or 'read right':10} reached {found.outcome.tally}, gaps", end=" ")
+    print(*(f"{1000 * gap:.0f}" for gap in found.outcome.final_errors["gap"]), "mm")
+
+# %% [markdown]
+# Six of six, as it should be: the numbers are those of `standin`. Swapped, none of six, with the same gaps. And a
+# picture? Nobody said what the part looks like, so it is drawn as an arrow that points where the yaw points.
+
+# %%
+figures.final_poses(z2r.load(other), my_reading)
+
+# %% [markdown]
+# Six arrows near the dotted one, all nearly parallel to it: that is what reached looks like here.
+#
+# What if you make a typo? There are two kinds. A key that means nothing is an error, in one line.
+
+# %%
+typo = Path("z2r-out/typo.toml")
+typo.write_text(text.replace("within = 0.03", "witin = 0.03"))
+try:
+    z2r.read_reading(typo)
+except z2r.DatasetError as error:
+    print(error)
+
+# %% [markdown]
+# `goal[0]` is the first goal, for Python counts from 0. The other kind is a column that the dataset does not have. The
+# file is fine then, but it does not fit, and `missing` says why.
+
+# %%
+typo.write_text(text.replace('"part_x"', '"prt_x"'))
+print("missing columns:", *z2r.read_reading(typo).missing(z2r.load(other).schema))
+
+# %% [markdown]
 # ## A damaged one
 #
 # Recorders crash, disks fill up, downloads stop halfway. We copy the dataset once more and cut its data file in half.
@@ -275,17 +356,17 @@ print(len(z2r.load(damaged).episodes), "episodes")
 
 # %% [markdown]
 # It looks fine. `load` reads the schema and the episode index, and those are whole. The frames are read when they are
-# needed, and that is where it shows. Every fault in a dataset is one kind of error, `DatasetError`, so it can be
-# caught and printed.
+# needed, and that is where it shows. Every fault in a dataset is the same kind of error as your typo was, a
+# `DatasetError`, so it can be caught and taken apart.
 
 # %%
 try:
     z2r.inspect_dataset(z2r.load(damaged))
 except z2r.DatasetError as error:
-    print("file:", error.path.as_posix())
-    print("found:", error.found)
-    print("expected:", error.expected)
-    print("what to do:", error.mend)
+    print("file:", error.fault.path.as_posix())
+    print("found:", error.fault.found)
+    print("expected:", error.fault.expected)
+    print("what to do:", error.fault.mend)
 
 # %% [markdown]
 # Four parts: the file, what was found in it, what was expected, and what you can do about it. Printed whole, the
@@ -293,8 +374,9 @@ except z2r.DatasetError as error:
 # data is whole, but `info.json` claims one frame too many.
 
 # %%
-info["total_frames"] += 1
-(other / "meta/info.json").write_text(json.dumps(info))
+claim = json.loads(info)
+claim["total_frames"] += 1
+(other / "meta/info.json").write_text(json.dumps(claim))
 try:
     z2r.load(other)
 except z2r.DatasetError as error:
@@ -368,9 +450,11 @@ print(f"reached: {sum(reached)} of {len(reached)}, success: {sum(success)} of {l
 #
 # - **sum up** any LeRobot v3 dataset: `z2r.load`, the strip of episodes, the ranges;
 # - **tell** whether a reading fits: `z2r.PUSHT.missing(schema)`, and where it does not, expect nothing about reached;
+# - **write** a reading of your own: poses and goals in a file, then
+#   `z2r.inspect_dataset(dataset, reading=z2r.read_reading("my.toml"))`;
 # - **understand** a `DatasetError`: the file, what was found, what was expected, what to do;
 # - **decide** with seven questions whether to train.
 #
-# Next: take a dataset of your own and change one line, `DATASET`. Then
+# Next: take a dataset of your own, change one line, `DATASET`, and write its reading. Then
 # [What is wrong with this dataset?](08_field_guide.ipynb) shows ten ways in which one can be wrong, and how to notice.
 # If you came here first, begin with [What is in this robot dataset?](00_start_here.ipynb)

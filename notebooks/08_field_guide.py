@@ -125,7 +125,7 @@ def compare(dataset, *names):
         read = z2r.inspect_dataset(dataset, z2r.BREAK_MODES.get(name))
         ends, lengths = read.outcome, read.episodes.lengths
         counts = f"{len(lengths):2} episodes, {sum(lengths):4} frames, {ends.n_reached:2} reached"
-        distance, turn = (np.median(errors) for errors in (ends.final_pos_err, ends.final_ang_err))
+        distance, turn = (np.median(ends.final_errors[goal]) for goal in ("pos_err", "ang_err"))
         print(f"{name:22} {counts}, {1000 * distance:3.0f} mm, {turn:.2f} rad")
 
 
@@ -133,7 +133,7 @@ compare(dataset, "wrong-reference-point", "degrees-for-radians", "first-frame-fo
 
 # %% [markdown]
 # **wrong-reference-point** measures the distance to the target from the pusher, and not from the block: it takes
-# `pusher_x` and `pusher_y` for the place of the block. The pusher stands beside the block, so some centimetres always
+# `pusher_x` and `pusher_y` for the place of the block. The pusher is beside the block, so some centimetres always
 # remain, however good the demonstration is.
 # [A simulator](https://github.com/huggingface/gym-xarm/pull/14) measured one position from the middle of the table and
 # the other from the world's origin: success was false while the cube was lifted.
@@ -153,7 +153,9 @@ compare(dataset, "wrong-reference-point", "degrees-for-radians", "first-frame-fo
 
 # %%
 from_pusher = z2r.break_mode("wrong-reference-point").reading(z2r.PUSHT)
-figures.right_and_wrong(state[dataset.episodes[1]][-40:], z2r.PUSHT, from_pusher, dataset.schema)
+frames = state[dataset.episodes[1]][-40:]
+both = [z2r.decode(frames, reading, dataset.schema) for reading in (z2r.PUSHT, from_pusher)]
+figures.right_and_wrong(*both)
 
 # %% [markdown]
 # On the right every ring sits in the middle of the block's bar. Two solid bodies cannot be in one place.
@@ -204,9 +206,9 @@ last = state[dataset.episodes.to_index - 1]
 unwrapped = z2r.break_mode("no-wrap").reading(z2r.PUSHT)
 for side, frames in (("from here", last), ("from the other side", -last)):
     for name, reading in (("read right", z2r.PUSHT), ("no-wrap", unwrapped)):
-        errors = z2r.frame_errors(frames, reading, dataset.schema)
+        errors = z2r.frame_errors(z2r.decode(frames, reading, dataset.schema))
         reached = z2r.in_tolerance(errors, reading).sum()
-        print(f"{side:20} {name:11} largest error {errors.ang_err.max():.2f} rad, {reached:2} reached")
+        print(f"{side:20} {name:11} largest error {errors['ang_err'].max():.2f} rad, {reached:2} reached")
 
 # %% [markdown]
 # The right error stays. The other one goes to 6.25 rad, where a whole turn is 6.28, and three episodes are lost. The
@@ -290,7 +292,7 @@ noticed(few, "inclusive-end", "first-shard-only", "stale-file-pointer")
 #
 # **Bug hunt.** This function should return the longest step inside each episode. It takes x and y of the block in all
 # frames, and the index. On a dataset that is whole it reports a leap in every episode but the last. It is not the
-# data. Find the mistake and mend it. The check tries it on whole datasets, and on a tiny one.
+# data. Find the mistake and fix it. The check tries it on whole datasets, and on a tiny one.
 
 
 # %% tags=["exercise", "longest-steps"]
@@ -323,8 +325,8 @@ compare(dataset, "name-sorted-files")
 
 # %%
 mixed = z2r.break_mode("name-sorted-files").dataset(dataset)
-errors = z2r.frame_errors(mixed.read("observation.state")[mixed.episodes[4]], z2r.PUSHT, dataset.schema)
-figures.error_traces(errors, z2r.PUSHT, dataset.schema.fps)
+decoded = z2r.decode(mixed.read("observation.state")[mixed.episodes[4]], z2r.PUSHT, mixed.schema)
+figures.error_traces(z2r.frame_errors(decoded), z2r.PUSHT, mixed.schema.fps)
 
 # %% [markdown]
 # After almost 6 seconds the block is at once more than 20 cm away from the target, and turned. One episode ends in
@@ -507,7 +509,7 @@ b = z2r.load(practice.make_dataset("b"))
 examine(b)
 
 # %%
-figures.episode_path(b.read("observation.state")[b.episodes[0]], z2r.PUSHT, b.schema)
+figures.episode_path(z2r.decode(b.read("observation.state")[b.episodes[0]], z2r.PUSHT, b.schema))
 
 # %% [markdown]
 # The target of this task has a yaw of 0: its bar lies across, and its stem hangs down from it.

@@ -45,28 +45,28 @@ EXERCISES = {
         },
     },
     "episode-reached": {
-        "solution": REACHED.format("pos_err[-1] <= task.POS_TOL and ang_err[-1] <= task.ANG_TOL"),
+        "solution": REACHED.format("pos_err[-1] < task.POS_TOL and ang_err[-1] < task.ANG_TOL"),
         "wrong": {
-            "the position alone": (REACHED.format("pos_err[-1] <= task.POS_TOL"), "with ang_err larger by 0.4 rad"),
-            "the angle alone": (REACHED.format("ang_err[-1] <= task.ANG_TOL"), "episode 2 of messy"),
+            "the position alone": (REACHED.format("pos_err[-1] < task.POS_TOL"), "with ang_err larger by 0.4 rad"),
+            "the angle alone": (REACHED.format("ang_err[-1] < task.ANG_TOL"), "episode 2 of messy"),
             "the first frame": (
-                REACHED.format("bool(pos_err[0] <= task.POS_TOL and ang_err[0] <= task.ANG_TOL)"),
+                REACHED.format("bool(pos_err[0] < task.POS_TOL and ang_err[0] < task.ANG_TOL)"),
                 "for episode 0 of standin, expected True and got False",
             ),
             "any frame": (
-                REACHED.format("bool(((pos_err <= task.POS_TOL) & (ang_err <= task.ANG_TOL)).any())"),
+                REACHED.format("bool(((pos_err < task.POS_TOL) & (ang_err < task.ANG_TOL)).any())"),
                 "played backwards",
             ),
             "held for five stored frames": (
-                REACHED.format("bool((pos_err[-5:] <= task.POS_TOL).all() and (ang_err[-5:] <= task.ANG_TOL).all())"),
+                REACHED.format("bool((pos_err[-5:] < task.POS_TOL).all() and (ang_err[-5:] < task.ANG_TOL).all())"),
                 "for episode 0 of standin, expected True and got False",
             ),
             "one of the two": (
-                REACHED.format("pos_err[-1] <= task.POS_TOL or ang_err[-1] <= task.ANG_TOL"),
+                REACHED.format("pos_err[-1] < task.POS_TOL or ang_err[-1] < task.ANG_TOL"),
                 "for episode 2 of messy, expected False and got True",
             ),
             "every frame": (
-                REACHED.format("(pos_err <= task.POS_TOL) & (ang_err <= task.ANG_TOL)"),
+                REACHED.format("(pos_err < task.POS_TOL) & (ang_err < task.ANG_TOL)"),
                 "expected True and got 67 values",
             ),
         },

@@ -1,5 +1,5 @@
 PREDICT = "practice.predict_yaw_swap({})"
-SWAP = "def swap(pose):\n    return {}\npractice.check_swap(swap)"
+SWAP = "def swap(yaw):\n    return {}\npractice.check_swap(swap)"
 SEEN = """\
 def seen_from_block(pusher_x, pusher_y, x, y, yaw):
     dx, dy = pusher_x - x, pusher_y - y
@@ -18,16 +18,16 @@ EXERCISES = {
         },
     },
     "swap": {
-        "solution": SWAP.format("replace(pose, sin_yaw=pose.cos_yaw, cos_yaw=pose.sin_yaw)"),
+        "solution": SWAP.format("z2r.YawColumns(sin=yaw.cos, cos=yaw.sin)"),
         "wrong": {
-            "nothing swapped": (SWAP.format("pose"), "sin_yaw=cos_tee_yaw"),
-            "only one": (SWAP.format("replace(pose, sin_yaw=pose.cos_yaw)"), "And the other one?"),
-            "x and y": (SWAP.format("replace(pose, x=pose.y, y=pose.x)"), "got x=tee_y"),
+            "nothing swapped": (SWAP.format("yaw"), "expected sin=cos_tee_yaw, cos=sin_tee_yaw"),
+            "only one": (SWAP.format("z2r.YawColumns(sin=yaw.cos, cos=yaw.cos)"), "And the other one?"),
             "names of the example": (
-                SWAP.format("replace(pose, sin_yaw='cos_tee_yaw', cos_yaw='sin_tee_yaw')"),
-                "the pose of the target",
+                SWAP.format("z2r.YawColumns(sin='cos_tee_yaw', cos='sin_tee_yaw')"),
+                "the yaw of the target",
             ),
-            "the wrong type": (SWAP.format("pose.names"), "for the pose of the block"),
+            "changed in place": (SWAP.format("setattr(yaw, 'sin', yaw.cos)"), "raised AttributeError"),
+            "the wrong type": (SWAP.format("(yaw.cos, yaw.sin)"), "for the yaw of the block"),
         },
     },
     "seen-from-block": {

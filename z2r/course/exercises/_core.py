@@ -33,7 +33,7 @@ class Case:
 
 
 def judge_prediction(prediction: object, truth: object, why: str) -> None:
-    """Hold a prediction against what happens, and only then say why.
+    """Compare a prediction with what happens, and only then say why.
 
     Parameters
     ----------

@@ -24,7 +24,7 @@ _HALVES: tuple[Callable[[float, float], Any], ...] = (
 
 
 def check_swap(prediction: float | None) -> Figure | None:
-    """Hold a prediction against what the swapped arguments make of a yaw of 120 degrees.
+    """Compare a prediction with what the swapped arguments make of a yaw of 120 degrees.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ def check_decode(function: Callable[..., Any]) -> Figure | None:
     Returns
     -------
     Figure or None
-        The block as it stands and as the answer has it, for the first yaw that was decoded wrong.
+        The block as it is turned and as the answer has it, for the first yaw that was decoded wrong.
     """
     cases = [Case(f"a yaw of {degrees} degrees", _stored(degrees)) for degrees in _DECODED]
     in_degrees = _agree(function, lambda sine, cosine: np.rad2deg(decode_yaw(sine, cosine)), cases)
@@ -110,7 +110,7 @@ def _agree(function: Callable[..., Any], other: Callable[..., Any], cases: Seque
 
 
 def _stored(degrees: float) -> tuple[float, float]:
-    """Return the sine and the cosine that stand in a dataset for a yaw."""
+    """Return the sine and the cosine that a dataset stores for a yaw."""
     yaw = np.deg2rad(degrees)
     return float(np.sin(yaw)), float(np.cos(yaw))
 
@@ -126,7 +126,7 @@ def _turn_as_handed_out(before: float, after: float) -> Floats:
 
 
 def _draw(expected: float, got: object) -> Figure | None:
-    """Draw two yaws of a block that stands at the origin; nothing where the answer is no angle."""
+    """Draw two yaws of a block at the origin; nothing where the answer is no angle."""
     try:
         return figures.two_poses((0.0, 0.0, expected), (0.0, 0.0, float(np.asarray(got, dtype=float))))
     except (TypeError, ValueError):

@@ -88,7 +88,7 @@ def check_swap(function: Callable[[YawColumns], object]) -> None:
     def reference(yaw: YawColumns) -> str:
         return _shown(yaw.cos, yaw.sin)
 
-    hint = "sin is to be the name that yaw.cos holds. And the other one?"
+    hint = "A YawColumns, whose sin is the name that yaw.cos holds. And the other one?"
     judge_function(shown, reference, cases, hint)
 
 

@@ -57,7 +57,7 @@ def check_cut(function: Callable[..., Any]) -> Figure | None:
     frames, index = np.arange(dataset.episodes.n_frames), dataset.episodes
     episodes = (1, 0, 2, len(index) - 1)
     cases = [Case(f"the frames of episode {episode}", (frames, index, episode)) for episode in episodes]
-    hint = "Hold your first and your last frame against the range of the episode."
+    hint = "Compare your first and your last frame with the range of the episode."
     case = judge_function(
         function,
         _cut,

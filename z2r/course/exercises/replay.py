@@ -80,7 +80,7 @@ def check_quaternion(function: Callable[[float], object]) -> Figure | None:
     Returns
     -------
     Figure or None
-        The block as it should stand and as the viewer would draw it, for the first yaw that went wrong.
+        The block as it should be turned and as the viewer would draw it, for the first yaw that went wrong.
     """
     cases = [Case(f"a yaw of {degrees} degrees", (float(np.deg2rad(degrees)),)) for degrees in _TURNS]
     hint = "A quaternion does not hold the sine and the cosine of the yaw itself. Of which angle, then?"

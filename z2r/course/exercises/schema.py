@@ -75,7 +75,7 @@ def check_block_position(function: Callable[..., Any]) -> Figure | None:
         function,
         lambda state, schema: state[:, schema.columns(STATE, ["tee_x", "tee_y"])],
         [Case(f"the block in {what}", (state, schema)) for what, state, schema in _datasets()],
-        hint="Which names belong to the block's position, and who knows where they stand?",
+        hint="Which names belong to the block's position, and who knows where they are?",
         untouched=lambda state, schema: state[:, 4:6],
     )
     if case is None:

@@ -11,7 +11,7 @@ from z2r.reading.breaks import break_mode
 
 
 def check_yaw_swap(prediction: int | None) -> None:
-    """Hold a prediction of how many of the first three episodes seem to reach the target under `yaw-swap`.
+    """Judge a prediction of how many of the first three episodes seem to reach the target under `yaw-swap`.
 
     Parameters
     ----------

@@ -26,7 +26,7 @@ type _Frame = dict[str, float]
 
 
 def check_looser(prediction: int | None) -> Figure | None:
-    """Hold a prediction against how many episodes of `messy` are read as reached within 0.04 m instead of 0.03 m.
+    """Compare a prediction with how many episodes of `messy` are read as reached within 0.04 m instead of 0.03 m.
 
     Parameters
     ----------

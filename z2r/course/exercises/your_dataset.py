@@ -5,7 +5,6 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
-import msgspec
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -16,6 +15,8 @@ from z2r.course.exercises._core import Case, judge_function, judge_prediction
 from z2r.data import MESSY, STANDIN
 from z2r.format.episodes import EpisodeIndex
 from z2r.format.schema import ACTION, INFO_PATH, STATE
+
+_OTHER_NAMES = {"pusher": "hand", "tee": "part", "target": "slot"}
 
 
 def predict_other_robot(prediction: str | None) -> None:
@@ -28,9 +29,10 @@ def predict_other_robot(prediction: str | None) -> None:
     """
     with tempfile.TemporaryDirectory() as folder:
         root = Path(shutil.copytree(STANDIN, Path(folder) / "other"))
-        info = msgspec.json.decode((root / INFO_PATH).read_bytes())
-        info["features"][STATE]["names"] = [f"joint_{i}" for i in range(10)]
-        (root / INFO_PATH).write_bytes(msgspec.json.encode(info))
+        info = (root / INFO_PATH).read_text(encoding="utf-8")
+        for name, other_name in _OTHER_NAMES.items():
+            info = info.replace(name, other_name)
+        (root / INFO_PATH).write_text(info, encoding="utf-8")
         outcome = inspect_dataset(load(root)).outcome
     truth = "nothing" if outcome is None else f"{outcome.n_reached} of {len(outcome.reached)}"
     said = prediction.strip().lower() if isinstance(prediction, str) else prediction
