@@ -35,3 +35,5 @@ from .show.report import Panel as Panel
 from .show.report import Report as Report
 from .show.report import panel as panel
 from .show.report import write_report as write_report
+
+__version__: str
