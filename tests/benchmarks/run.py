@@ -246,9 +246,8 @@ def replay_against_reading(scratch: Path, runs: int) -> Row:
     both, read, rerun, bare = (median(side, "cpu_seconds") for side in alternate(*sides, runs=2 * runs))
     replay = (both - read) - (rerun - bare)
     said = f"{replay:.2f} s of {both:.2f} s", f"{read:.2f} s (inspect --no-rerun)"
-    return Row(
-        "the replay of six episodes, less the import of rerun: CPU", *said, replay / read, "<= 1", replay <= read
-    )
+    ratio = replay / read
+    return Row("six episodes' replay, less import rerun: CPU", *said, ratio, "<= 1.5", ratio <= 1.5)
 
 
 def opens_of_data_files(root: Path, scratch: Path) -> Table:
