@@ -1,19 +1,40 @@
 """The command line as a whole process: what it prints, what it writes, what it exits with."""
 
 import json
+import os
+import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from layouts import lay_out
 
 import z2r
 from z2r.reading.inspection import metrics_json
 
+MAIN = "from z2r.cli import main; main()"
+WITHOUT_RERUN = f"import sys; sys.modules['rerun'] = None; {MAIN}"  # as where it is not installed
 
-def run(*args: object, cwd: Path) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-c", "from z2r.cli import main; main()", *map(str, args)]
+
+def run(
+    *args: object, cwd: Path, program: str = MAIN, variables: dict[str, str] | None = None
+) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-c", program, *map(str, args)]
+    environment = os.environ | (variables or {})
+    return subprocess.run(
+        command, cwd=cwd, env=environment, capture_output=True, text=True, errors="replace", timeout=300, check=False
+    )
+
+
+def shell(line: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    command = ["bash", "-c", line.replace("z2r", f"{sys.executable} -c '{MAIN}'")]
     return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=300, check=False)
+
+
+def in_one_line(result: subprocess.CompletedProcess[str]) -> str:
+    """What is said on stderr, without the box that is drawn around it."""
+    return " ".join(result.stderr.replace("│", " ").split())
 
 
 def test_inspect_reads_the_shipped_dataset_and_writes_both_files(tmp_path):
@@ -103,6 +124,124 @@ def test_smoke_records_short_episodes_afresh(tmp_path):
     assert metrics["episode_lengths"] == [40, 40]
     assert (metrics["source"], metrics["seed"]) == ("recorded afresh", 7)
     assert not (tmp_path / "z2r-out/inspect.rrd").exists()
+
+
+def test_what_was_recorded_afresh_is_kept_and_the_next_recording_takes_its_place(tmp_path):
+    first = run("inspect", "--seed", 3, "--episodes", 1, "--out", "here", cwd=tmp_path)
+    assert (first.returncode, first.stderr) == (0, "")
+    assert first.stdout.splitlines()[0] == "recording 1 episode into here/dataset"
+    assert (tmp_path / "here/inspect.rrd").exists()
+    assert z2r.read_verdict(tmp_path / "here/dataset").episodes[0].seed == 3
+    second = run("inspect", "--smoke", "--episodes", 2, "--out", "here", cwd=tmp_path)
+    assert second.stdout.splitlines()[0] == "recording 2 episodes into here/dataset"
+    assert z2r.load(tmp_path / "here/dataset").episodes.lengths.tolist() == [40, 40]
+    names = {path.name for path in (tmp_path / "here").iterdir()}
+    assert names == {"dataset", "dataset.verdict.json", "metrics.json", "inspect.rrd"}
+
+
+def test_a_recording_is_not_lost_when_the_next_one_fails(tmp_path):
+    run("record", "z2r-out/dataset", "--episodes", 1, "--max-steps", 5, cwd=tmp_path)
+    result = run("inspect", "--smoke", cwd=tmp_path, program=f"import sys; sys.modules['mujoco'] = None; {MAIN}")
+    assert result.returncode == 2
+    assert "pip install '.[record]'" in result.stderr
+    assert z2r.load(tmp_path / "z2r-out/dataset").episodes.n_frames == 5
+    assert {path.name for path in (tmp_path / "z2r-out").iterdir()} == {"dataset", "dataset.verdict.json"}
+
+
+def test_no_dataset_but_an_earlier_recording_is_replaced(standin_copy, tmp_path):
+    (tmp_path / "z2r-out").mkdir()
+    mine = standin_copy.rename(tmp_path / "z2r-out/dataset")
+    result = run("inspect", "--smoke", cwd=tmp_path)
+    assert (result.returncode, result.stdout) == (2, "")
+    assert "Move it away, or name another --out" in result.stderr
+    assert z2r.load(mine).episodes.n_frames == z2r.load(z2r.STANDIN).episodes.n_frames
+
+
+def test_more_episodes_than_ship_are_not_recorded_unasked(tmp_path):
+    result = run("inspect", "--episodes", 99, cwd=tmp_path)
+    assert (result.returncode, result.stdout) == (2, "")
+    assert "at most 6. To record 99: z2r inspect --seed 0 --episodes 99" in in_one_line(result)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_dataset_is_an_argument_or_an_option(standin_copy, tmp_path):
+    for args in (["standin"], ["--dataset", "standin"], ["standin", "--dataset", "standin"]):
+        result = run("inspect", *args, "--episodes", 1, "--json", cwd=tmp_path)
+        assert (json.loads(result.stdout)["source"], json.loads(result.stdout)["n_episodes"]) == ("standin", 1)
+    assert run("audit", "--dataset", standin_copy, cwd=tmp_path).returncode == 0
+    result = run("inspect", "standin", "--dataset", "messy", cwd=tmp_path)
+    assert result.returncode == 2
+    assert "standin and --dataset messy" in in_one_line(result)
+
+
+def test_break_none_reads_it_right(tmp_path):
+    result = run("inspect", "--break", "none", "--json", cwd=tmp_path)
+    assert result.stdout == run("inspect", "--json", cwd=tmp_path).stdout
+    assert json.loads(result.stdout)["break_mode"] is None
+
+
+def test_json_writes_a_replay_only_where_it_is_asked_for(tmp_path):
+    run("inspect", "--json", cwd=tmp_path)
+    assert not (tmp_path / "z2r-out/inspect.rrd").exists()
+    run("inspect", "--json", "--rerun", cwd=tmp_path)
+    assert (tmp_path / "z2r-out/inspect.rrd").exists()
+
+
+def test_without_rerun_it_reads_and_says_how_to_get_a_replay(tmp_path):
+    result = run("inspect", cwd=tmp_path, program=WITHOUT_RERUN)
+    assert (result.returncode, result.stderr) == (0, "")
+    assert result.stdout.splitlines()[-1] == (
+        "no replay, which needs rerun. In a clone of the course: pip install '.[view]'"
+    )
+    assert not (tmp_path / "z2r-out/inspect.rrd").exists()
+    result = run("inspect", "--rerun", cwd=tmp_path, program=WITHOUT_RERUN)
+    assert (result.returncode, result.stdout) == (2, "")
+    assert result.stderr == "z2r: no replay, which needs rerun. In a clone of the course: pip install '.[view]'\n"
+    assert "no replay" not in run("inspect", "--no-rerun", cwd=tmp_path, program=WITHOUT_RERUN).stdout
+
+
+def test_a_closed_standard_output_is_one_line(tmp_path):
+    result = shell("z2r inspect --json >&-", tmp_path)
+    assert result.returncode == 2
+    assert result.stderr == "z2r: standard output is closed: send it to a file, or to /dev/null\n"
+
+
+@pytest.mark.parametrize("command", ["inspect", "audit", "report"])
+def test_a_reader_that_leaves_early_is_no_fault(command, tmp_path):
+    result = shell(f"z2r {command} | true", tmp_path)
+    assert result.stderr == ""
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "cp1252"])
+def test_an_output_that_lacks_characters_gets_others(encoding, standin_copy, tmp_path):
+    path = standin_copy / "meta/info.json"
+    path.write_text(path.read_text().replace("pusher_vx", "pusher_→"), encoding="utf-8")
+    for command in ("inspect", "audit", "report"):
+        result = run(command, standin_copy, cwd=tmp_path, variables={"PYTHONIOENCODING": encoding})
+        assert (result.returncode, result.stderr) == (0, "")
+    result = run("inspect", z2r.STANDIN, cwd=tmp_path, variables={"PYTHONIOENCODING": encoding})
+    [longest] = [line for line in result.stdout.splitlines() if "------------ " in line and "86" in line]
+    assert "?" not in result.stdout
+    assert "217" in longest
+
+
+def test_a_narrow_terminal_cuts_no_value(tmp_path):
+    wide = run("inspect", "messy", "--no-rerun", cwd=tmp_path, variables={"COLUMNS": "200"}).stdout
+    narrow = run("inspect", "messy", "--no-rerun", cwd=tmp_path, variables={"COLUMNS": "60"}).stdout
+    assert "━" in wide
+    assert "…" not in wide + narrow
+    assert max(map(len, narrow.splitlines()[1:])) <= 60
+    assert numbers(narrow) == numbers(wide)
+
+
+def numbers(text: str) -> list[str]:
+    return re.findall(r"-?\d+\.\d{3}", text)
+
+
+def test_a_large_number_of_episodes_is_not_listed_in_full(tmp_path):
+    root = tmp_path / "many"
+    lay_out(root, [3] * 25, files=[25], shards=[25])
+    assert "... and 5 more" in run("inspect", root, "--no-rerun", cwd=tmp_path).stdout
 
 
 def test_record_then_inspect(tmp_path):

@@ -89,7 +89,8 @@ def test_it_is_what_colab_has(colab):
 def test_the_setup_cell_installs_the_wheel_and_replaces_nothing(colab):
     assert colab.before <= colab.after
     assert [line for line in colab.after if line.startswith("z2r @ file:")]
-    assert not {"torch", "lerobot", "mujoco"} & names(colab.after)
+    assert {"rerun-sdk", "mujoco"} <= names(colab.after)
+    assert not {"torch", "lerobot"} & names(colab.after)
 
 
 @pytest.mark.parametrize("stem", STEMS)

@@ -57,22 +57,56 @@ def search_path(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
 @pytest.fixture(scope="session")
 def run(tmp_path_factory: pytest.TempPathFactory, search_path: list[Path]) -> Run:
     """Run every notebook once, on a clean copy, without a network: `pytest --nbmake notebooks`, outputs kept."""
-    folder = tmp_path_factory.mktemp("clone")
-    (folder / "notebooks").mkdir()
-    for stem in STEMS:
-        shutil.copy(NOTEBOOKS / f"{stem}.ipynb", folder / "notebooks")
-    nbmake = ["--nbmake", "--overwrite", "notebooks", "--durations=0", "-p", "no:cacheprovider"]
-    command = [sys.executable, "-m", "pytest", *nbmake, "-c", str(ROOT / "pyproject.toml"), "--rootdir", str(folder)]
+    folder = clone(tmp_path_factory.mktemp("clone"))
     variables = kernel_variables(tmp_path_factory.mktemp("profile"), *search_path)
-    done = subprocess.run(command, cwd=folder, env=variables, capture_output=True, text=True, check=False)
+    done = nbmake(folder, variables, "--overwrite", "--durations=0")
     pages = {stem: nbformat.read(folder / "notebooks" / f"{stem}.ipynb", as_version=4) for stem in STEMS}
     return Run(folder / "notebooks", done, pages)
+
+
+def clone(folder: Path) -> Path:
+    """Make a repository of the pages, their scripts and the settings."""
+    (folder / "notebooks").mkdir()
+    for path in (NOTEBOOKS / f"{stem}{suffix}" for stem in STEMS for suffix in (".py", ".ipynb")):
+        shutil.copy(path, folder / "notebooks")
+    for name in ("pyproject.toml", ".gitignore"):
+        shutil.copy(ROOT / name, folder)
+    git(folder, "init", "--quiet")
+    git(folder, "add", ".")
+    return folder
+
+
+def git(folder: Path, *arguments: str) -> str:
+    return subprocess.run(["git", *arguments], cwd=folder, capture_output=True, text=True, check=True).stdout
+
+
+def nbmake(folder: Path, variables: dict[str, str], *options: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "pytest", "--nbmake", "notebooks", *options]
+    return subprocess.run(command, cwd=folder, env=variables, capture_output=True, text=True, check=False)
 
 
 def test_nbmake_passes(run):
     print(run.done.stdout)
     assert run.done.returncode == 0, run.done.stdout + run.done.stderr
-    assert f"{len(STEMS)} passed" in run.done.stdout
+    assert re.search(rf" {len(STEMS)} passed in ", run.done.stdout)
+
+
+def test_the_notebooks_write_only_what_git_ignores(run):
+    changed = git(run.folder.parent, "diff", "--name-only").splitlines()
+    assert set(changed) <= {f"notebooks/{stem}.ipynb" for stem in STEMS}  # outputs were kept, as was asked for
+    assert git(run.folder.parent, "ls-files", "--others", "--exclude-standard") == ""
+
+
+@pytest.mark.parametrize("processes", [[], ["-n", "2"]])
+def test_nbmake_runs_each_notebook_once_and_no_script(processes, tmp_path):
+    folder = clone(tmp_path)
+    for stem in STEMS:  # of each page only this, which leaves a mark for each run
+        cell = nbformat.v4.new_code_cell(f"open('z2r-out-{stem}', 'a').write('.')", id="cell")
+        nbformat.write(nbformat.v4.new_notebook(cells=[cell]), folder / f"notebooks/{stem}.ipynb")
+        (folder / f"notebooks/{stem}.py").write_text("raise SystemExit('a script was run')")
+    done = nbmake(folder, kernel_variables(tmp_path / "profile", ROOT), *processes)
+    assert re.search(rf" {len(STEMS)} passed in ", done.stdout), done.stdout + done.stderr
+    assert [path.read_text() for path in folder.glob("notebooks/z2r-out-*")] == ["."] * len(STEMS)
 
 
 @each_notebook
@@ -222,16 +256,26 @@ def test_jupytext_makes_the_same_cells(tmp_path):
         compare_notebooks(nbformat.read(script.with_suffix(".ipynb"), as_version=4), committed(script.stem))
 
 
+def test_an_update_by_jupytext_keeps_the_outputs(tmp_path):
+    """`jupytext --update --to notebook`, which the README recommends over the same without `--update`."""
+    script, page = (Path(shutil.copy(NOTEBOOKS / f"{DECODING}{suffix}", tmp_path)) for suffix in (".py", ".ipynb"))
+    command = [sys.executable, "-m", "jupytext", "--update", "--to", "notebook", script]
+    subprocess.run(command, capture_output=True, check=True)
+    kept = nbformat.read(page, as_version=4)
+    assert [cell.outputs for cell in code_cells(kept)] == [cell.outputs for cell in code_cells(committed(DECODING))]
+    assert any(cell.outputs for cell in code_cells(kept))
+
+
 def test_a_wrong_decode_is_seen_on_the_page(tmp_path):
     package = Path(shutil.copytree(Path(z2r.__file__).parent, tmp_path / "package" / "z2r"))
-    angles = (package / "angles.py").read_text()
+    angles = (package / "reading/angles.py").read_text()
     right = "np.arctan2(np.asarray(sin_yaw, dtype=np.float64), np.asarray(cos_yaw, dtype=np.float64))"
     assert angles.count(right) == 1
     wrong = "np.arctan2(np.asarray(cos_yaw, dtype=np.float64), np.asarray(sin_yaw, dtype=np.float64))"
-    (package / "angles.py").write_text(angles.replace(right, wrong))
+    (package / "reading/angles.py").write_text(angles.replace(right, wrong))
     (tmp_path / "run").mkdir()
     notebook = execute(read_script(NOTEBOOKS / f"{DECODING}.py"), tmp_path / "run", package.parent)
-    shows_source = "z2r/angles.py#"  # with a fingerprint, which any change at all would change
+    shows_source = "z2r/reading/angles.py#"  # with a fingerprint, which any change at all would change
     pairs = zip(code_cells(notebook), code_cells(committed(DECODING)), strict=True)
     assert any(shown(cell) != shown(page) and shows_source not in str(shown(page)) for cell, page in pairs)
 

@@ -7,6 +7,7 @@ import pytest
 
 import z2r
 from z2r.course.source import show_source
+from z2r.errors import printable
 
 
 @pytest.mark.parametrize("thing", [z2r.decode_yaw, z2r.frame_errors, z2r.episode_reached, z2r.EpisodeIndex, z2r.load])
@@ -27,6 +28,21 @@ def test_the_docstring_is_left_out_and_the_code_is_whole():
 
 
 def test_a_function_without_a_docstring_is_shown_as_it_is():
-    from z2r.errors import DatasetError
+    assert show_source(z2r.DatasetError.__init__) == inspect.getsource(z2r.DatasetError.__init__).rstrip()
 
-    assert show_source(DatasetError.__init__) == inspect.getsource(DatasetError.__init__).rstrip()
+
+def test_a_raw_docstring_leaves_nothing_behind():
+    source = show_source(printable)
+    assert source.splitlines() == [line for line in inspect.getsource(printable).splitlines() if is_code(line)]
+
+
+def is_code(line: str) -> bool:
+    return line.startswith("def ") or line.strip().startswith("return ")
+
+
+def test_the_docstring_of_a_class_is_left_out_and_its_methods_stay():
+    source = show_source(z2r.DatasetError)
+    assert source.splitlines()[:2] == [
+        "class DatasetError(Exception):",
+        "    def __init__(self, fault: Fault) -> None:",
+    ]

@@ -9,6 +9,16 @@ The public names are listed in ``__init__.pyi`` and loaded when they are used: `
 nobody who only reads pays for rerun, MuJoCo or LeRobot.
 """
 
+from typing import Any
+
 import lazy_loader
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+_load, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+
+def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("z2r")
+    return _load(name)

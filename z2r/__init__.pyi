@@ -43,3 +43,5 @@ from .reading.success import frame_errors as frame_errors
 from .reading.success import in_tolerance as in_tolerance
 from .show.report import Panel as Panel
 from .show.report import Report as Report
+
+__version__: str

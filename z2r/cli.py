@@ -1,29 +1,35 @@
 """The command line: `z2r inspect`, `z2r audit`, `z2r report` and `z2r record`.
 
-Modules that are slow to import are imported where they are used, so that `--help` is there at once.
+What is slow to import is imported in the command that uses it, so that `--help` is there at once.
 """
 
 import contextlib
+import functools
+import importlib.util
+import io
 import sys
 import tempfile
-from collections.abc import Iterator
-from functools import partial
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, NoReturn
 
 import rich_click as click
 
 from z2r.audits import CHECKS
-from z2r.data import SHIPPED
-from z2r.errors import DatasetError, MissingExtraError
+from z2r.data import SHIPPED, find_dataset
+from z2r.errors import DatasetError, Fault, MissingExtraError
 from z2r.pusht.task import DEMO_NOISE, MAX_STEPS
-from z2r.reading.breaks import BREAK_MODES, BreakMode, break_mode
+from z2r.reading.breaks import BREAK_MODES, BreakMode
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from z2r.format.dataset import Dataset
+    from z2r.reading.inspection import Inspection
 
 _SMOKE_STEPS = 40
 _SHIPPED_EPISODES = 6
+_NO_REPLAY = "no replay, which needs rerun. In a clone of the course: pip install '.[view]'"
 _CHECKS_HELP = "What each check asks:\n\n" + "\n\n".join(f"- `{name}`: {asks}" for name, asks in CHECKS.items())
 _MODES_HELP = "What each MODE believes:\n\n" + "\n\n".join(
     f"- `{mode.name}`: {mode.assumption}" for mode in BREAK_MODES.values()
@@ -32,11 +38,19 @@ _MODES_HELP = "What each MODE believes:\n\n" + "\n\n".join(
 
 def main() -> None:
     """Run the command line; bad input is one line on stderr and exit code 2."""
+    if sys.stdout is None:  # so Python says that whoever started it has closed it
+        _stop("standard output is closed: send it to a file, or to /dev/null")
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")  # a character that a terminal lacks is no reason to end
     try:
         cli(prog_name="z2r")
     except (DatasetError, MissingExtraError, OSError) as error:
-        click.echo(f"z2r: {error}", err=True)
-        sys.exit(2)
+        _stop(f"{error}")
+
+
+def _stop(why: str) -> NoReturn:
+    click.echo(f"z2r: {why}", err=True)
+    sys.exit(2)
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -49,24 +63,51 @@ def cli() -> None:
     """
 
 
+def _names_a_dataset(command: Callable[..., None]) -> Callable[..., None]:
+    """Take a dataset as an argument or by --dataset, and hand it to the command as its first argument."""
+
+    @click.argument("dataset", type=click.Path(path_type=Path), required=False)
+    @click.option("--dataset", "named", type=click.Path(path_type=Path), metavar="DATASET", help="The same as DATASET.")
+    @functools.wraps(command)
+    def with_dataset(dataset: Path | None, named: Path | None, **options: object) -> None:
+        if dataset and named and dataset != named:
+            raise click.UsageError(f"found two datasets, {dataset} and --dataset {named}, expected one: leave one out")
+        command(dataset or named, **options)
+
+    return with_dataset
+
+
+def _break_option(text: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    return click.option(
+        "--break",
+        "mode",
+        type=click.Choice(["none", *BREAK_MODES]),
+        callback=lambda context, parameter, name: BREAK_MODES.get(name),
+        metavar="MODE",
+        help=text,
+    )
+
+
 @cli.command(epilog=_MODES_HELP)
-@click.argument("dataset", type=click.Path(path_type=Path), required=False)
-@click.option("--episodes", type=click.IntRange(min=1), metavar="N", help="Read the first N episodes only.")
+@_names_a_dataset
 @click.option(
-    "--seed", type=click.IntRange(min=0), metavar="S", help="Record afresh, from this seed on. Needs `z2r[record]`."
+    "--episodes",
+    type=click.IntRange(min=1),
+    metavar="N",
+    help="Read the first N episodes only; with `--seed` or `--smoke`, record N.",
+)
+@click.option(
+    "--seed",
+    type=click.IntRange(min=0),
+    metavar="S",
+    help="Record afresh into `DIR/dataset`, from this seed on, and read that. Needs the extra `record`.",
 )
 @click.option(
     "--smoke",
     is_flag=True,
-    help=f"Record afresh, with at most {_SMOKE_STEPS} frames an episode, and no .rrd. Needs `z2r[record]`.",
+    help=f"Record afresh, with at most {_SMOKE_STEPS} frames an episode, and no `.rrd`. Needs the extra `record`.",
 )
-@click.option(
-    "--break",
-    "break_name",
-    type=click.Choice(list(BREAK_MODES)),
-    metavar="MODE",
-    help="Read it wrong on purpose, as one of the modes below.",
-)
+@_break_option("Read it wrong on purpose, as one of the modes below; `none` reads it right.")
 @click.option(
     "--out",
     type=click.Path(path_type=Path, file_okay=False),
@@ -75,17 +116,20 @@ def cli() -> None:
     metavar="DIR",
     help="Folder for `metrics.json` and `inspect.rrd`.",
 )
-@click.option("--no-rerun", is_flag=True, help="Write no `inspect.rrd`.")
+@click.option(
+    "--rerun/--no-rerun", default=None, help="Write `inspect.rrd`, or not. [default: if rerun is there, unless --json]"
+)
 @click.option("--salvage", is_flag=True, help="Of a dataset that was cut off, read the episodes that are whole.")
 @click.option("--json", "as_json", is_flag=True, help="Print `metrics.json` and nothing else.")
 def inspect(
     dataset: Path | None,
+    *,
     episodes: int | None,
     seed: int | None,
     smoke: bool,
-    break_name: str | None,
+    mode: BreakMode | None,
     out: Path,
-    no_rerun: bool,
+    rerun: bool | None,
     salvage: bool,
     as_json: bool,
 ) -> None:
@@ -100,22 +144,138 @@ def inspect(
     - `z2r inspect --break yaw-swap` reads it wrong, to show what that looks like
     - `rerun z2r-out/inspect.rrd` replays what was read
     """
-    if dataset is not None and (smoke or seed is not None):
+    from z2r.reading.inspection import inspect_dataset
+    from z2r.show.terminal import console, left_out, progress, summary
+
+    with_replay = _can_replay(rerun, otherwise=not (smoke or as_json))
+    afresh = smoke or seed is not None
+    if dataset and afresh:
         raise click.UsageError("--seed and --smoke record afresh: leave DATASET out, or leave them out")
-    afresh = dataset is None and (smoke or seed is not None or (episodes or 0) > _SHIPPED_EPISODES)
-    mode = break_mode(break_name) if break_name else None
-    with contextlib.ExitStack() as stack:
-        if afresh:
-            wanted = _Wanted(episodes or _SHIPPED_EPISODES, seed or 0, _SMOKE_STEPS if smoke else MAX_STEPS)
-            root, title = stack.enter_context(_recorded_afresh(wanted, quiet=as_json)), "recorded afresh"
-        else:
-            root = _find(dataset)
-            title = root.resolve().name
-        _inspect(root, title, episodes, mode, out, no_rerun or smoke, salvage, as_json)
+    steps = _SMOKE_STEPS if smoke else MAX_STEPS
+    wanted = _Wanted(episodes or _SHIPPED_EPISODES, seed or 0, steps)
+    root = _record_afresh(out, wanted, quiet=as_json) if afresh else find_dataset(dataset)
+    title = "recorded afresh" if afresh else root.resolve().name
+    data, lost = _load(root, salvaged=salvage)
+    _refuse_inside(root, out)
+    data = _first(data, episodes)
+    screen = console(as_json)
+    _announce(screen, "inspect" if with_replay else "inspect --no-rerun", data, mode)
+    with progress("reading", "frames", as_json) as move, _way_out(root, salvaged=salvage):
+        inspection = inspect_dataset(data, mode, progress=move)
+    metrics = _write_metrics(inspection, title, root, out, lost if salvage else None)
+    screen.print(summary(inspection, title))
+    if salvage:
+        screen.print(left_out(lost))
+    screen.print(f"wrote {out / 'metrics.json'}", soft_wrap=True)
+    if with_replay:
+        _write_replay(mode.dataset(data) if mode else data, inspection, out / "inspect.rrd", screen)
+    elif rerun is None and not smoke:
+        screen.print(_NO_REPLAY, soft_wrap=True)
+    if as_json:
+        sys.stdout.buffer.write(metrics)
+
+
+def _refuse_inside(root: Path, out: Path) -> None:
+    if out.resolve().is_relative_to(root.resolve()):
+        raise click.UsageError(f"{out} is inside the dataset, which is never written to: name another --out")
+
+
+def _announce(screen: "Console", command: str, dataset: "Dataset", mode: BreakMode | None = None) -> None:
+    """Say how long it takes, and what is read wrong, before the work begins."""
+    from z2r.show.terminal import expectation, wrong_on_purpose
+
+    screen.print(expectation(command, dataset.episodes.n_frames), soft_wrap=True)
+    if mode:
+        screen.print(wrong_on_purpose(mode))
+
+
+def _can_replay(asked: bool | None, *, otherwise: bool) -> bool:
+    """Whether to write a replay: as it was asked for, or else if it is wanted and rerun is there."""
+    installed = importlib.util.find_spec("rerun") is not None
+    if asked and not installed:
+        raise MissingExtraError(_NO_REPLAY)
+    return installed and (otherwise if asked is None else asked)
+
+
+def _load(root: Path, *, salvaged: bool) -> "tuple[Dataset, tuple[str, ...]]":
+    """Load a dataset, and say what of it is left out."""
+    if salvaged:
+        from z2r.format.salvage import salvage
+
+        found = salvage(root)
+        return found.dataset, found.left_out
+    from z2r.format.dataset import load
+
+    with _way_out(root, salvaged=salvaged):
+        return load(root), ()
+
+
+@contextlib.contextmanager
+def _way_out(root: Path, *, salvaged: bool) -> Iterator[None]:
+    """Let an error say what can still be read, if anything."""
+    try:
+        yield
+    except DatasetError as error:
+        if salvaged or (error.fault.path.name == "info.json" and not error.fault.field.startswith("total_")):
+            raise
+        whole = _number_of_whole_episodes(root)
+        if not whole:
+            raise
+        advice = f"--salvage reads the {whole:,} episode{'s' * (whole > 1)} of which everything is there"
+        mend = f"{error.fault.mend}. {advice}" if error.fault.mend else advice
+        raise DatasetError(error.fault._replace(mend=mend)) from None
+
+
+def _number_of_whole_episodes(root: Path) -> int:
+    from z2r.format.salvage import salvage
+
+    try:
+        return len(salvage(root).dataset.episodes)
+    except DatasetError:
+        return 0
+
+
+def _first(dataset: "Dataset", n_episodes: int | None) -> "Dataset":
+    if n_episodes is None:
+        return dataset
+    if n_episodes > (there := len(dataset.episodes)):
+        more = f". To record {n_episodes}: z2r inspect --seed 0 --episodes {n_episodes}"
+        advice = more if dataset.root in SHIPPED.values() else ""
+        raise click.UsageError(f"--episodes: found {n_episodes} asked for, expected at most {there:,}{advice}")
+    return dataset.first(n_episodes)
+
+
+def _write_metrics(
+    inspection: "Inspection", title: str, root: Path, out: Path, left_out: tuple[str, ...] | None
+) -> bytes:
+    from z2r.pusht.verdict import read_verdict
+    from z2r.reading.inspection import metrics_json
+
+    recording = read_verdict(root)
+    numbers = inspection.metrics(title, recording.episodes[0].seed if recording else None)
+    if left_out is not None:
+        episodes_read = range(len(inspection.episodes))
+        numbers |= {"episode_numbers": [inspection.episodes.number(i) for i in episodes_read], "left_out": left_out}
+    metrics = metrics_json(numbers)
+    out.mkdir(parents=True, exist_ok=True)
+    (out / "metrics.json").write_bytes(metrics)
+    return metrics
+
+
+def _write_replay(dataset: "Dataset", inspection: "Inspection", path: Path, screen: "Console") -> None:
+    from z2r.show.replay import write_replay
+
+    replay = write_replay(dataset, path, inspection.reading)
+    screen.print(f"wrote {replay.path}: look at it with `rerun {replay.path}`", soft_wrap=True)
+    episodes = inspection.episodes
+    if replay.n_frames < episodes.n_frames:
+        shown = f"{replay.n_episodes:,} of {len(episodes):,} episodes"
+        frames = f"{replay.n_frames:,} of {episodes.n_frames:,} frames"
+        screen.print(f"it shows the first {shown} ({frames}); the others are left out", soft_wrap=True)
 
 
 @cli.command()
-@click.argument("dataset", type=click.Path(path_type=Path), required=False)
+@_names_a_dataset
 @click.option(
     "--out",
     type=click.Path(path_type=Path, dir_okay=False),
@@ -132,20 +292,28 @@ def report(dataset: Path | None, out: Path) -> None:
     The page is one file that any browser opens from disk. It needs no network and no server, so it can be mailed. It
     stays below 5 MB: of a large dataset, it holds the frames of the first episodes, and the sums of all.
     """
-    _report(_find(dataset), out)
+    from z2r.format.dataset import load
+    from z2r.show.report import write_report
+    from z2r.show.terminal import console, progress
+
+    screen = console()
+    data = load(find_dataset(dataset))
+    _announce(screen, "report", data)
+    try:
+        with progress("reading", "frames", quiet=False) as move:
+            written = write_report(data, out, move)
+    except ValueError as error:
+        raise click.UsageError(f"--out: {error}") from None
+    screen.print(f"wrote {written.path}: open it in a browser", soft_wrap=True)
+    if written.left_out:
+        screen.print(f"to keep the page small: {written.left_out}", soft_wrap=True)
 
 
 @cli.command(epilog=_CHECKS_HELP)
-@click.argument("dataset", type=click.Path(path_type=Path), required=False)
-@click.option(
-    "--break",
-    "break_name",
-    type=click.Choice(list(BREAK_MODES)),
-    metavar="MODE",
-    help="Audit it as it is read under one of the mistakes that `z2r inspect --help` names: is it noticed?",
-)
+@_names_a_dataset
+@_break_option("Audit it as it is read under one of the mistakes that `z2r inspect --help` names: is it noticed?")
 @click.option("--json", "as_json", is_flag=True, help="Print the findings as JSON and nothing else.")
-def audit(dataset: Path | None, break_name: str | None, as_json: bool) -> None:
+def audit(dataset: Path | None, *, mode: BreakMode | None, as_json: bool) -> None:
     """Say what is wrong with a dataset: each finding with what was found, what was expected, and how to mend it.
 
     DATASET is named as for `z2r inspect`. It is never written to.
@@ -161,7 +329,22 @@ def audit(dataset: Path | None, break_name: str | None, as_json: bool) -> None:
     - `z2r audit my_dataset --json` is for scripts
     - `z2r audit --break yaw-swap-everywhere` finds by a number what the success rate hides
     """
-    sys.exit(_audit(_find(dataset), break_mode(break_name) if break_name else None, as_json))
+    import msgspec
+
+    from z2r.audits.audit import audit as audit_dataset
+    from z2r.show.terminal import audit_report, console, progress, wrong_on_purpose
+
+    root = find_dataset(dataset)
+    title = root.resolve().name
+    screen = console(as_json)
+    if mode:
+        screen.print(wrong_on_purpose(mode))
+    with progress("auditing", "data files", as_json) as move:
+        found = audit_dataset(root, mode, progress=move)
+    screen.print(audit_report(found, title))
+    if as_json:
+        click.echo(msgspec.json.format(msgspec.json.encode(found.to_dict(title)), indent=2))
+    sys.exit(found.exit_code)
 
 
 @cli.command()
@@ -202,7 +385,7 @@ def record(out: Path, episodes: int, seed: int, noise: float, max_steps: int) ->
     """Record demonstrations: a scripted expert pushes the block onto the target in the simulator.
 
     Writes a LeRobot v3 dataset to OUT, which must not exist, and beside it what the simulator said of every episode,
-    to `OUT.verdict.json`. Needs the simulator and LeRobot: `pip install 'z2r[record]'`.
+    to `OUT.verdict.json`. Needs the simulator and LeRobot, in a clone of the course: `pip install '.[record]'`.
     """
     _record(out, _Wanted(episodes, seed, max_steps), noise, quiet=False)
     click.echo(f"wrote {out}, a LeRobot dataset, and {out}.verdict.json, what the simulator said of it")
@@ -215,158 +398,40 @@ class _Wanted(NamedTuple):
     max_steps: int
 
 
-def _find(dataset: Path | None) -> Path:
-    if dataset is None:
-        return SHIPPED["standin"]
-    return dataset if dataset.exists() else SHIPPED.get(str(dataset), dataset)
-
-
-@contextlib.contextmanager
-def _recorded_afresh(wanted: _Wanted, quiet: bool) -> Iterator[Path]:
-    with tempfile.TemporaryDirectory() as folder:
-        root = Path(folder) / "recorded"
-        _record(root, wanted, DEMO_NOISE, quiet)
-        yield root
-
-
 def _record(out: Path, wanted: _Wanted, noise: float, quiet: bool) -> None:
     from z2r.pusht.simulator import recorder
     from z2r.show.terminal import console, expectation, progress
-    from z2r.show.wallclock import nearest_run
 
-    console(quiet).print(expectation(nearest_run("record", wanted.episodes), "episodes"), soft_wrap=True)
+    screen = console(quiet)
+    screen.print(f"recording {wanted.episodes:,} episode{'s' * (wanted.episodes > 1)} into {out}", soft_wrap=True)
+    screen.print(expectation("record", wanted.episodes), soft_wrap=True)
     seeds = range(wanted.seed, wanted.seed + wanted.episodes)
-    with progress("recording", "episodes", quiet) as report:
-        recorder.record(out, seeds, noise, wanted.max_steps, report)
+    with progress("recording", "episodes", quiet) as move:
+        recorder.record(out, seeds, noise, wanted.max_steps, move)
 
 
-def _inspect(
-    root: Path,
-    title: str,
-    episodes: int | None,
-    mode: BreakMode | None,
-    out: Path,
-    no_rerun: bool,
-    salvage: bool,
-    as_json: bool,
-) -> None:
-    from z2r.pusht.verdict import read_verdict
-    from z2r.reading.inspection import inspect_dataset, metrics_json
-    from z2r.show.terminal import console, expectation, left_out, progress, summary, wrong_on_purpose
-    from z2r.show.wallclock import nearest_run
-
-    if out.resolve().is_relative_to(root.resolve()):
-        raise click.UsageError(f"{out} is inside the dataset, which is never written to: name another --out")
-    screen = console(as_json)
-    dataset, lost = _load(root, salvage)
-    if episodes is not None:
-        dataset = _first(dataset, episodes)
-    command = "inspect --no-rerun" if no_rerun else "inspect"
-    screen.print(expectation(nearest_run(command, dataset.episodes.n_frames), "frames"), soft_wrap=True)
-    if mode:
-        screen.print(wrong_on_purpose(mode))
-    with progress("reading", "frames", as_json) as report, _way_out(root, salvage):
-        inspection = inspect_dataset(dataset, mode, progress=report)
-    recording = read_verdict(root)
-    numbers = inspection.metrics(title, recording.episodes[0].seed if recording else None)
-    if salvage:
-        episodes_read = range(len(inspection.episodes))
-        numbers |= {"episode_numbers": [inspection.episodes.number(i) for i in episodes_read], "left_out": lost}
-    metrics = metrics_json(numbers)
-    out.mkdir(parents=True, exist_ok=True)
-    (out / "metrics.json").write_bytes(metrics)
-    screen.print(summary(inspection, title))
-    if salvage:
-        screen.print(left_out(lost))
-    say = partial(screen.print, soft_wrap=True)
-    say(f"wrote {out / 'metrics.json'}")
-    if not no_rerun:
-        from z2r.show.replay import write_replay
-
-        replay = write_replay(mode.dataset(dataset) if mode else dataset, out / "inspect.rrd", inspection.reading)
-        say(f"wrote {replay.path}: look at it with `rerun {replay.path}`")
-        if replay.n_frames < inspection.episodes.n_frames:
-            say(
-                f"it shows the first {replay.n_episodes:,} of {len(inspection.episodes):,} episodes"
-                f" ({replay.n_frames:,} of {inspection.episodes.n_frames:,} frames); the others are left out"
-            )
-    if as_json:
-        sys.stdout.buffer.write(metrics)
-
-
-def _load(root: Path, salvaged: bool) -> "tuple[Dataset, tuple[str, ...]]":
-    """Load a dataset, and say what of it is left out."""
-    if salvaged:
-        from z2r.format.salvage import salvage
-
-        found = salvage(root)
-        return found.dataset, found.left_out
-    from z2r.format.dataset import load
-
-    with _way_out(root, salvaged):
-        return load(root), ()
+def _record_afresh(out: Path, wanted: _Wanted, *, quiet: bool) -> Path:
+    """Record into `out`, in place of what an earlier run recorded there, and return the dataset."""
+    root = out / "dataset"
+    with _replacing_a_recording(root) if root.exists() else contextlib.nullcontext():
+        _record(root, wanted, DEMO_NOISE, quiet)
+    return root
 
 
 @contextlib.contextmanager
-def _way_out(root: Path, salvaged: bool) -> Iterator[None]:
-    """Let an error say what can still be read, if anything."""
-    try:
-        yield
-    except DatasetError as error:
-        if salvaged or (error.fault.path.name == "info.json" and not error.fault.field.startswith("total_")):
-            raise
-        from z2r.format.salvage import salvage
+def _replacing_a_recording(root: Path) -> Iterator[None]:
+    """Make way for a new recording; the one that is there comes back if no new one comes about."""
+    from z2r.pusht.verdict import read_verdict, verdict_path
 
+    verdict = verdict_path(root)
+    if read_verdict(root) is None:
+        expected = f"nothing, or a recording with {verdict.name} beside it, which is replaced"
+        raise DatasetError(Fault(root, "", "something else", expected, "Move it away, or name another --out"))
+    with tempfile.TemporaryDirectory(prefix=".", suffix=".replaced", dir=root.parent) as folder:
+        aside = [path.rename(Path(folder) / path.name) for path in (root, verdict)]
         try:
-            whole = len(salvage(root).dataset.episodes)
-        except DatasetError:
-            whole = 0
-        if not whole:
-            raise error from None
-        advice = f"--salvage reads the {whole:,} episode{'s' * (whole > 1)} of which everything is there"
-        mend = f"{error.fault.mend}. {advice}" if error.fault.mend else advice
-        raise DatasetError(error.fault._replace(mend=mend)) from None
-
-
-def _audit(root: Path, mode: BreakMode | None, as_json: bool) -> int:
-    import msgspec
-
-    from z2r.audits.audit import audit
-    from z2r.show.terminal import audit_report, console, progress, wrong_on_purpose
-
-    screen = console(as_json)
-    if mode:
-        screen.print(wrong_on_purpose(mode))
-    with progress("auditing", "data files", as_json) as report:
-        found = audit(root, mode, progress=report)
-    title = root.resolve().name
-    screen.print(audit_report(found, title))
-    if as_json:
-        click.echo(msgspec.json.format(msgspec.json.encode(found.to_dict(title)), indent=2))
-    return found.exit_code
-
-
-def _report(root: Path, out: Path) -> None:
-    from z2r.format.dataset import load
-    from z2r.show.report import write_report
-    from z2r.show.terminal import console, expectation, progress
-    from z2r.show.wallclock import nearest_run
-
-    screen = console()
-    dataset = load(root)
-    screen.print(expectation(nearest_run("report", dataset.episodes.n_frames), "frames"), soft_wrap=True)
-    try:
-        with progress("reading", "frames", quiet=False) as move:
-            written = write_report(dataset, out, move)
-    except ValueError as error:
-        raise click.UsageError(f"--out: {error}") from None
-    screen.print(f"wrote {written.path}: open it in a browser", soft_wrap=True)
-    if written.left_out:
-        screen.print(f"to keep the page small: {written.left_out}", soft_wrap=True)
-
-
-def _first(dataset: "Dataset", episodes: int) -> "Dataset":
-    try:
-        return dataset.first(episodes)
-    except ValueError as error:
-        raise click.UsageError(f"--episodes: {error}") from None
+            yield
+        except BaseException:
+            for path in aside:
+                path.rename(root.parent / path.name)
+            raise

@@ -2,20 +2,24 @@
 
     python tests/benchmarks/run.py [--runs 5] [--frames 1000000] [--ledger]
 
-The reference flow is in `reference.py`; on a million frames it takes minutes. `--ledger` prints rows for
-`z2r/wallclock.csv` instead. Exit code 1 where a target is missed.
+The reference flow is in `reference.py`; on a million frames it takes minutes. It also counts how often each command
+opens a data file. `--ledger` measures the rows of this machine in `z2r/show/wallclock.csv` instead, and writes them
+there and into the table of the README. Exit code 1 where a target is missed.
 """
 
 import argparse
+import csv
 import importlib.metadata
 import json
 import os
+import platform
 import statistics
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import NamedTuple
 
@@ -24,7 +28,8 @@ import pyarrow.parquet as pq
 from rich.console import Console
 from rich.table import Table
 
-HERE = Path(__file__).parent
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
 sys.path.insert(0, str(HERE.parent))
 
 from layouts import Layout, lay_out, read_dataset, write_dataset  # noqa: E402 -- a sibling of this folder
@@ -32,15 +37,17 @@ from layouts import Layout, lay_out, read_dataset, write_dataset  # noqa: E402 -
 import z2r  # noqa: E402
 from z2r.format.dataset import map_files  # noqa: E402
 from z2r.show.replay import write_replay  # noqa: E402
-from z2r.show.wallclock import machine_tier  # noqa: E402
+from z2r.show.wallclock import LEDGER, Run, ledger_table, machine_tier, read_ledger  # noqa: E402
 
 FEATURES = ["observation.state", "action"]
 Z2R = [sys.executable, "-c", "from z2r.cli import main; main()"]
+LEDGER_BEGINS, LEDGER_ENDS = "<!-- ledger: z2r.show.wallclock.ledger_table() -->", "<!-- end of ledger -->"
 REFERENCE = [sys.executable, str(HERE / "reference.py")]
 
 
 class Process(NamedTuple):
     seconds: float
+    cpu_seconds: float
     mebibytes: float
     output: str
 
@@ -62,24 +69,44 @@ import json, os, resource, subprocess, sys, time
 start = time.perf_counter()
 done = subprocess.run(sys.argv[1:], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=True)
 seconds = time.perf_counter() - start
-peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
-print(json.dumps([seconds, peak, done.stdout.decode()]))
+usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+print(json.dumps([seconds, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024, done.stdout.decode()]))
 """
+
+# Run a command, and print on the last line how often it opened each parquet file.
+COUNT_OPENS = """
+import collections, contextlib, json
+import pyarrow.parquet as pq
+
+opens = collections.Counter()
+
+class Counted(pq.ParquetFile):
+    def __init__(self, source, *args, **kwargs):
+        opens[str(source)] += 1
+        super().__init__(source, *args, **kwargs)
+
+pq.ParquetFile = Counted
+from z2r.cli import main
+
+with contextlib.suppress(SystemExit):
+    main()
+print(json.dumps(opens))
+"""
+COMMANDS = ("inspect --no-rerun", "inspect --rerun", "report", "audit")
 
 
 def run_process(command: list[str], cwd: Path) -> Process:
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
-    environment["PYTHONPATH"] = str(HERE.parent)
+    environment["PYTHONPATH"] = os.pathsep.join([str(HERE.parent), str(ROOT)])
     launch = [sys.executable, "-c", LAUNCHER, *command]
     done = subprocess.run(launch, cwd=cwd, env=environment, capture_output=True, check=True)
     return Process(*json.loads(done.stdout))
 
 
-def alternate(first: Callable[[], object], second: Callable[[], object], runs: int) -> tuple[list, list]:
-    """Run both in turn, so that a slow minute of the machine hits both; once before, to fill caches."""
-    first(), second()
-    pairs = [(first(), second()) for _ in range(runs)]
-    return [a for a, _ in pairs], [b for _, b in pairs]
+def alternate(*sides: Callable[[], object], runs: int) -> list[list]:
+    """Run all in turn, so that a slow minute of the machine hits each; once before, to fill caches."""
+    rounds = [[side() for side in sides] for _ in range(runs + 1)]
+    return [list(results) for results in zip(*rounds[1:], strict=True)]
 
 
 def timed(work: Callable[[], object]) -> Callable[[], float]:
@@ -99,7 +126,7 @@ def inspect_against_reference(name: str, root: Path, scratch: Path, runs: int, f
     ours, theirs = alternate(
         lambda: run_process([*Z2R, "inspect", str(root), "--no-rerun", "--out", name], scratch),
         lambda: run_process([*REFERENCE, "inspect", str(root)], scratch),
-        runs,
+        runs=runs,
     )
     metrics = json.loads((scratch / name / "metrics.json").read_text())
     expected = json.loads(theirs[0].output)
@@ -130,7 +157,7 @@ def memory_by_number_of_files(few: Path, many: Path, scratch: Path, runs: int) -
     def inspect(root: Path) -> Process:
         return run_process([*Z2R, "inspect", str(root), "--no-rerun"], scratch)
 
-    ours, theirs = alternate(lambda: inspect(many), lambda: inspect(few), runs)
+    ours, theirs = alternate(lambda: inspect(many), lambda: inspect(few), runs=runs)
     memory = median(ours, "mebibytes"), median(theirs, "mebibytes")
     ratio = memory[0] / memory[1]
     return Row(
@@ -151,7 +178,7 @@ def read_against_bare_pyarrow(root: Path, runs: int) -> Row:
             pq.ParquetFile(file.path, memory_map=True).read(columns=FEATURES)
 
     ours, theirs = alternate(
-        timed(lambda: map_files(dataset, FEATURES, lambda _, frames: frames)), timed(bare), 3 * runs
+        timed(lambda: map_files(dataset, FEATURES, lambda _, frames: frames)), timed(bare), runs=3 * runs
     )
     ratio = statistics.median(ours) / statistics.median(theirs)
     return Row(
@@ -176,7 +203,7 @@ def replay_against_rows(root: Path, scratch: Path, runs: int) -> Row:
     ours, theirs = alternate(
         timed(lambda: write_replay(dataset, scratch / "ours.rrd", PUSHT)),
         timed(lambda: replay(10_000, str(scratch / "theirs.rrd"))),
-        runs,
+        runs=runs,
     )
     ratio = statistics.median(theirs) / statistics.median(ours)
     return Row(
@@ -193,7 +220,7 @@ def import_against_bare_interpreter(scratch: Path, runs: int) -> Row:
     ours, theirs = alternate(
         lambda: run_process([sys.executable, "-c", "import z2r"], scratch),
         lambda: run_process([sys.executable, "-c", "pass"], scratch),
-        5 * runs,
+        runs=5 * runs,
     )
     seconds = median(ours, "seconds"), median(theirs, "seconds")
     return Row(
@@ -206,11 +233,39 @@ def import_against_bare_interpreter(scratch: Path, runs: int) -> Row:
     )
 
 
+def replay_against_reading(scratch: Path, runs: int) -> Row:
+    """How much CPU the replay costs beyond reading and beyond loading rerun, against the reading."""
+    reading = "import numpy, pyarrow.parquet, rich"
+    commands = [
+        [*Z2R, "inspect", "--rerun"],
+        [*Z2R, "inspect", "--no-rerun"],
+        [sys.executable, "-c", f"{reading}, rerun, rerun.blueprint"],
+        [sys.executable, "-c", reading],
+    ]
+    sides = [lambda command=command: run_process(command, scratch) for command in commands]
+    both, read, rerun, bare = (median(side, "cpu_seconds") for side in alternate(*sides, runs=2 * runs))
+    replay = (both - read) - (rerun - bare)
+    said = f"{replay:.2f} s of {both:.2f} s", f"{read:.2f} s (inspect --no-rerun)"
+    ratio = replay / read
+    return Row("six episodes' replay, less import rerun: CPU", *said, ratio, "<= 1.5", ratio <= 1.5)
+
+
+def opens_of_data_files(root: Path, scratch: Path) -> Table:
+    table = Table("command", "data files", "opens", "most of one file", title="how often data files are opened")
+    files = [str(file.path) for file in z2r.load(root).files]
+    for command in COMMANDS:
+        words = [sys.executable, "-c", COUNT_OPENS, *command.split(), str(root)]
+        counted = json.loads(run_process(words, scratch).output.splitlines()[-1])
+        opens = [counted.get(file, 0) for file in files]
+        table.add_row(command, f"{len(files)}", f"{sum(opens)}", f"{max(opens)}")
+    return table
+
+
 def command_against_inspect(command: str, most: float, root: Path, scratch: Path, runs: int) -> Row:
     ours, theirs = alternate(
         lambda: run_process([*Z2R, command, str(root)], scratch),
         lambda: run_process([*Z2R, "inspect", str(root), "--no-rerun"], scratch),
-        runs,
+        runs=runs,
     )
     seconds = median(ours, "seconds"), median(theirs, "seconds")
     ratio = seconds[0] / seconds[1]
@@ -245,22 +300,36 @@ def lay_out_even(root: Path, n_frames: int, n_files: int) -> Path:
     return root
 
 
-def print_ledger(big: Path, scratch: Path, runs: int) -> None:
-    stack = f"Python {sys.version.split()[0]}; " + "; ".join(
-        f"{name} {importlib.metadata.version(name)}" for name in ("pyarrow", "rerun-sdk", "mujoco", "lerobot")
-    )
-    commands: list[tuple[str, int, list[str]]] = [
-        (command, z2r.load(root).episodes.n_frames, [*command.split(), str(root)])
+def measure_ledger(big: Path, scratch: Path, runs: int) -> Iterator[Run]:
+    versions = [f"{name} {importlib.metadata.version(name)}" for name in ("pyarrow", "rerun-sdk", "mujoco", "lerobot")]
+    machine = f"{os.cpu_count()} cores of {platform.system()} {platform.machine()}"
+    stack = "; ".join([machine, f"Python {platform.python_version()}", *versions])
+    kinds = [
+        (command, z2r.load(root).episodes.n_frames, "frames", [*command.split(), str(root)])
         for root in (z2r.STANDIN, big)
         for command in ("inspect", "inspect --no-rerun", "report")
     ]
-    commands += [("record", n, ["record", "recorded", "--episodes", str(n)]) for n in (6, 60)]
-    for command, size, args in commands:
+    kinds += [("record", n, "episodes", ["record", "recorded", "--episodes", str(n)]) for n in (6, 60)]
+    for command, size, unit, args in kinds:
         seconds = []
         for _ in range(runs + 1):
             with tempfile.TemporaryDirectory(dir=scratch) as folder:
                 seconds.append(run_process([*Z2R, *args], Path(folder)).seconds)
-        print(f"{machine_tier()},{command},{size},{statistics.median(seconds[1:]):.2f},{runs},{stack}", flush=True)
+        yield Run(machine_tier(), command, size, unit, round(statistics.median(seconds[1:]), 2), runs, stack)
+
+
+def write_ledger(measured: list[Run]) -> None:
+    """Put the rows of this tier in place of those that are there, and the table into the README."""
+    kept = [run for run in read_ledger() if run.tier != machine_tier()]
+    runs = sorted([*kept, *measured], key=lambda run: (run.tier, run.command, run.size))
+    with LEDGER.open("w", newline="") as file:
+        rows = csv.DictWriter(file, [field.name for field in fields(Run)], lineterminator="\n")
+        rows.writeheader()
+        rows.writerows({**asdict(run), "seconds": f"{run.seconds:.2f}"} for run in runs)
+    readme = ROOT / "README.md"
+    before, begin, rest = readme.read_text().partition(LEDGER_BEGINS)
+    _, end, after = rest.partition(LEDGER_ENDS)
+    readme.write_text(f"{before}{begin}\n\n{ledger_table()}\n\n{end}{after}")
 
 
 def main() -> None:
@@ -273,7 +342,7 @@ def main() -> None:
         scratch = Path(folder)
         big = lay_out_even(scratch / "big", args.frames, n_files=32)
         if args.ledger:
-            print_ledger(big, scratch, args.runs)
+            write_ledger(list(measure_ledger(big, scratch, args.runs)))
             return
         quarter = lay_out_even(scratch / "quarter", args.frames // 4, n_files=8)
         small = lay_out_even(scratch / "small", 10_000, n_files=1)
@@ -288,14 +357,16 @@ def main() -> None:
             command_against_inspect(
                 "audit", 5, repeat_messy(scratch / "messy", args.frames, n_files=32), scratch, args.runs
             ),
+            replay_against_reading(scratch, args.runs),
             import_against_bare_interpreter(scratch, args.runs),
         ]
+        opens = opens_of_data_files(quarter, scratch)
     table = Table("measure", "z2r", "reference", "ratio", "target", "", title=f"{machine_tier()}, medians")
     for row in rows:
         table.add_row(
             row.measure, row.ours, row.reference, f"{row.ratio:.2f}", row.target, "met" if row.met else "MISSED"
         )
-    Console().print(table)
+    Console().print(table, opens)
     sys.exit(not all(row.met for row in rows))
 
 

@@ -1,6 +1,6 @@
 """How do the notebooks of the course come to be? Built one way: from each `.py`, its `.ipynb` with outputs.
 
-Run `python -m z2r.course.build [STEM ...]` in a clone of the repository. It needs the packages of `z2r[course]`.
+Run `python -m z2r.course.build [STEM ...]` in a clone of the repository. It needs the packages of the extra `course`.
 """
 
 import contextlib
@@ -47,8 +47,8 @@ from pathlib import Path
 
 # Where z2r is missing, as in Colab: from a wheel beside this page, or else from its repository
 if importlib.util.find_spec("z2r") is None:
-    wheel = next(Path().glob("z2r-*.whl"), "git+{repository}")
-    get_ipython().run_line_magic("pip", f"install --quiet {{wheel}}")"""
+    wheel = next((path.resolve().as_uri() for path in Path().glob("z2r-*.whl")), "git+{repository}")
+    get_ipython().run_line_magic("pip", f'install --quiet "z2r[notebook] @ {{wheel}}"')"""
 
 # What differs between two machines, or between two runs on one, has no place on a page.
 _SYSTEM_FOLDERS = "Users|content|etc|home|mnt|opt|private|proc|root|run|srv|tmp|usr|var"

@@ -1,10 +1,12 @@
-"""Source on the page: a function of the package, shown as it is now, with its file, its name and its fingerprint.
+"""Is the source on the page the source that runs? It is read from the package at the moment it is shown.
 
-Pasted source drifts. This is read from the installed package at the moment it is shown.
+Pasted source drifts. This carries its file, its name and its fingerprint.
 """
 
+import ast
 import hashlib
 import inspect
+import textwrap
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -42,18 +44,18 @@ def show_source(thing: Callable[..., Any] | type) -> Source:
     --------
     >>> import z2r
     >>> show_source(z2r.decode_yaw).fingerprint.split(" ")[0]
-    'z2r/angles.py#decode_yaw'
+    'z2r/reading/angles.py#decode_yaw'
     """
     text = inspect.getsource(thing)
     file = Path(inspect.getfile(thing)).relative_to(_PACKAGE.parent).as_posix()
-    source = Source(_without_docstring(text, inspect.getdoc(thing) is not None).rstrip())
+    source = Source(_without_docstring(text).rstrip())
     source.fingerprint = f"{file}#{thing.__qualname__} · {hashlib.sha256(text.encode()).hexdigest()[:8]}…"
     return source
 
 
-def _without_docstring(text: str, has_docstring: bool) -> str:
-    if not has_docstring:
+def _without_docstring(text: str) -> str:
+    [node] = ast.parse(textwrap.dedent(text)).body
+    if not isinstance(node, ast.FunctionDef | ast.ClassDef) or ast.get_docstring(node) is None:
         return text
-    before, _, rest = text.partition('"""')
-    _, _, after = rest.partition('"""')
-    return before.rstrip() + "\n" + after.lstrip("\n")
+    lines, docstring = text.splitlines(keepends=True), node.body[0]
+    return "".join(lines[: docstring.lineno - 1]) + "".join(lines[docstring.end_lineno :]).lstrip("\n")

@@ -3,13 +3,15 @@
 import contextlib
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from rich import box
-from rich.bar import Bar
-from rich.console import Console, Group, RenderableType
+from rich.console import Console, ConsoleOptions, Group, RenderableType, RenderResult
+from rich.measure import Measurement
 from rich.padding import Padding
+from rich.progress_bar import ProgressBar
 from rich.table import Table
 from rich.text import Text
 
@@ -18,7 +20,7 @@ from z2r.errors import printable
 from z2r.format.schema import Schema
 from z2r.reading.breaks import BreakMode
 from z2r.reading.inspection import Inspection
-from z2r.show.wallclock import Run, machine_tier
+from z2r.show import wallclock
 
 if TYPE_CHECKING:  # `z2r inspect` has no use for it
     from z2r.audits.audit import Audit
@@ -28,12 +30,10 @@ MAX_ROWS = 20  # of a table: what fits on a screen
 _SEVERITY_STYLES: dict[Severity, str] = {"error": "bold red", "warning": "bold yellow", "note": "bold blue"}
 
 
-def expectation(run: Run | None, unit: str) -> Text:
-    """Say which machine tier this is, and how long the ledger expects it to take."""
-    tier = Text(f"machine tier {machine_tier()}: ", style="dim")
-    if run is None:
-        return tier.append("not yet measured")
-    return tier.append(f"expect {run.seconds:.2g} s (median of {run.runs} runs, {run.size:,} {unit})")
+def expectation(command: str, size: int) -> Text:
+    """Say which machine tier this is, and what the ledger has measured there for a run like the one to come."""
+    tier = wallclock.machine_tier()
+    return Text(f"machine tier {tier}: {wallclock.expectation(command, size, tier)}", style="dim")
 
 
 def wrong_on_purpose(mode: BreakMode, applies: bool = True) -> Text:
@@ -57,7 +57,7 @@ def summary(inspection: Inspection, title: str) -> RenderableType:
     )
     spread = f"\nlengths: {lengths.min()} to {lengths.max()} frames, {lengths.mean():.1f} on average"
     return Group(
-        head, Text(), _schema_table(inspection), Text(), _episode_table(inspection), Text(spread), _reached(inspection)
+        head, Text(), _schema_table(inspection), Text(), _Episodes(inspection), Text(spread), _reached(inspection)
     )
 
 
@@ -116,8 +116,8 @@ def _schema_table(inspection: Inspection) -> Table:
     table = _table("What a frame is")
     for name in ("feature", "dtype", "dimension"):
         table.add_column(name, overflow="fold")
-    table.add_column("low", justify="right")
-    table.add_column("high", justify="right")
+    for name in ("low", "high"):
+        table.add_column(name, justify="right", no_wrap=True)
     rows = _schema_rows(inspection)
     for row in rows[: 2 * MAX_ROWS]:
         table.add_row(*map(printable, row))
@@ -144,27 +144,53 @@ def _shape(schema: Schema, name: str) -> str:
     return "" if shape == (1,) else " x ".join(str(size) for size in shape)
 
 
-def _episode_table(inspection: Inspection) -> Table:
-    episodes, outcome = inspection.episodes, inspection.outcome
-    longest = int(episodes.lengths.max())
+@dataclass(frozen=True)
+class _Episodes:
+    """The table of the episodes; where a terminal is too narrow for all of it, without its bars."""
+
+    inspection: Inspection
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+        with_bars = _episode_table(self.inspection, bars=True)
+        needed = Measurement.get(console, options.update(max_width=1000), with_bars).minimum
+        yield with_bars if needed <= options.max_width else _episode_table(self.inspection, bars=False)
+
+
+def _episode_table(inspection: Inspection, *, bars: bool) -> Table:
+    n_episodes = len(inspection.episodes)
     table = _table("Where episodes end")
     for name in ("episode", "from", "length"):
-        table.add_column(name, justify="right")
-    table.add_column("", width=12)
+        table.add_column(name, justify="right", overflow="fold")
+    if bars:
+        table.add_column("", width=12)
     for name in _outcome_columns(inspection):
-        table.add_column(name, justify="right")
-    for episode in range(min(len(episodes), MAX_ROWS)):
-        length = int(episodes.lengths[episode])
-        cells: list[RenderableType] = [str(episodes.number(episode)), str(episodes.from_index[episode]), str(length)]
-        cells.append(Bar(longest, 0, length, color="blue"))
-        if outcome:
-            reached = bool(outcome.reached[episode])
-            cells += [f"{numbers[episode]:.3f}" for numbers in outcome.final_errors.values()]
-            cells.append(Text("yes" if reached else "no", style="green" if reached else "red"))
-        table.add_row(*cells)
-    if len(episodes) > MAX_ROWS:
-        table.add_row("...", "", "", Text(f"and {len(episodes) - MAX_ROWS:,} more", style="dim"))
+        table.add_column(name, justify="right", overflow="fold")
+    for episode in range(min(n_episodes, MAX_ROWS)):
+        bar = [_bar(inspection, episode)] if bars else []
+        table.add_row(*_place(inspection, episode), *bar, *_ending(inspection, episode))
+    if n_episodes > MAX_ROWS:
+        table.caption, table.caption_justify = Text(f"... and {n_episodes - MAX_ROWS:,} more", style="dim"), "left"
     return table
+
+
+def _place(inspection: Inspection, episode: int) -> tuple[str, ...]:
+    episodes = inspection.episodes
+    return str(episodes.number(episode)), str(episodes.from_index[episode]), str(episodes.lengths[episode])
+
+
+def _bar(inspection: Inspection, episode: int) -> RenderableType:
+    """Draw the length of an episode; rich draws this bar in ASCII where the terminal has nothing else."""
+    lengths = inspection.episodes.lengths
+    longest, length = float(lengths.max()), float(lengths[episode])
+    return ProgressBar(longest, length, width=12, complete_style="blue", finished_style="blue")
+
+
+def _ending(inspection: Inspection, episode: int) -> tuple[RenderableType, ...]:
+    if (outcome := inspection.outcome) is None:
+        return ()
+    reached = bool(outcome.reached[episode])
+    said = Text("yes" if reached else "no", style="green" if reached else "red")
+    return *(f"{numbers[episode]:.3f}" for numbers in outcome.final_errors.values()), said
 
 
 def _outcome_columns(inspection: Inspection) -> list[str]:

@@ -142,7 +142,7 @@ def _load_extras(max_steps: int) -> tuple[Any, Any, Callable[[Path], Any]]:
         from z2r.pusht.simulator.expert import ScriptedExpert
     except ModuleNotFoundError as error:
         raise MissingExtraError(
-            f"recording needs {error.name}, which is not installed: pip install 'z2r[record]'"
+            f"recording needs {error.name}, which is not installed. In a clone of the course: pip install '.[record]'"
         ) from error
     features = {
         STATE: {"dtype": "float32", "shape": (len(STATE_NAMES),), "names": list(STATE_NAMES)},
