@@ -20,7 +20,17 @@ PYPROJECT = PACKAGE.parent / "pyproject.toml"
 PINS = Path(__file__).with_name("colab-pins.txt")
 
 # Folders and modules of the package, low to high. What stands on one floor knows nothing of what stands beside it.
-FLOORS = [["errors", "arrays", "check", "data"], ["format"], ["reading"], ["audits", "pusht"], ["show"], ["api"], ["course"], ["cli"]]
+FLOORS = [
+    ["errors", "arrays", "data"],
+    ["check"],
+    ["format"],
+    ["reading"],
+    ["audits", "pusht"],
+    ["show"],
+    ["api"],
+    ["course"],
+    ["cli"],
+]
 FLOOR = {name: number for number, floor in enumerate(FLOORS) for name in floor}
 SIMULATOR = "pusht.simulator"
 

@@ -1,5 +1,5 @@
+from .api import audit as audit
 from .audits.audit import Audit as Audit
-from .audits.audit import audit as audit
 from .data import MESSY as MESSY
 from .data import STANDIN as STANDIN
 from .errors import DatasetError as DatasetError

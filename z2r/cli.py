@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import rich_click as click
 
-from z2r.audits import CHECKS
+from z2r.api import CHECKS
 from z2r.data import SHIPPED
 from z2r.errors import DatasetError, MissingExtraError
 from z2r.pusht.task import DEMO_NOISE, MAX_STEPS
@@ -331,7 +331,7 @@ def _way_out(root: Path, salvaged: bool) -> Iterator[None]:
 def _audit(root: Path, mode: BreakMode | None, as_json: bool) -> int:
     import msgspec
 
-    from z2r.audits.audit import audit
+    from z2r.api import audit
     from z2r.show.terminal import audit_report, console, progress, wrong_on_purpose
 
     screen = console(as_json)

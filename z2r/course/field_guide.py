@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from z2r.api import audit
 from z2r.arrays import Floats, Ints
-from z2r.audits.audit import audit
 from z2r.format.dataset import Dataset, load
 from z2r.format.schema import ACTION
 from z2r.reading.breaks import BREAK_MODES, BreakMode
