@@ -270,7 +270,14 @@ def _meaning_not_checked(claims: Claims, sums: Sequence[FileSums], scene: SceneC
     elif not _has_scene(sums):
         yield "solid bodies and limits: columns that the scene needs are not there, or cannot be used in some file"
     else:
-        yield from scene.not_checked(claims.root)
+        yield from _left_out_by(scene, claims.root)
+
+
+def _left_out_by(scene: SceneChecks, root: Path) -> list[str]:
+    try:
+        return [*scene.not_checked(root)]
+    except Exception as error:
+        return [f"what the scene leaves out: it could not say so ({type(error).__name__})"]
 
 
 def _failed(findings: Iterable[Finding]) -> Iterator[str]:

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from z2r.arrays import Ints
-from z2r.errors import Fault
+from z2r.errors import DatasetError, Fault
 from z2r.format import rules
 from z2r.format.dataset import Dataset, load
 from z2r.format.episodes import EpisodeIndex, EpisodeTable
@@ -48,7 +48,7 @@ class Claims(NamedTuple):
         What a frame is, where episodes end, and the data files, relative to `root`, in the order of their frames.
     videos : Read of Videos
         The videos that are named.
-    found : tuple of Path
+    found : Read of tuple of Path
         The parquet files and videos that are there, named or not, relative to `root`.
     reading : Reading
         What the columns are taken to mean.
@@ -62,7 +62,7 @@ class Claims(NamedTuple):
     table: EpisodeTable
     paths: Sequence[Path]
     videos: Read[Videos]
-    found: tuple[Path, ...]
+    found: Read[tuple[Path, ...]]
     reading: Reading
     trusted: bool
 
@@ -85,8 +85,7 @@ def read_claims(root: Path, reading: Reading) -> Claims:
     stored = Stored(schema, stated, episodes, read_tasks(root), read_stats(root))
     table, paths, shards, _ = episodes.value
     videos = read_videos(root, schema, stated.value.video_path, shards)
-    found = tuple(path for pattern in ("**/*.parquet", "videos/**/*.mp4") for path in find(root, "", pattern))
-    return Claims(root, stored, schema, table, paths, videos, found, reading, trusted=_hangs_together(table))
+    return Claims(root, stored, schema, table, paths, videos, _found(root), reading, trusted=_hangs_together(table))
 
 
 def claims_under(mode: BreakMode, root: Path, reading: Reading) -> Claims:
@@ -101,6 +100,13 @@ def claims_under(mode: BreakMode, root: Path, reading: Reading) -> Claims:
     table, paths = _table_of(believed)
     claims = read_claims(root, mode.reading(reading))
     return claims._replace(schema=believed.schema, table=table, paths=paths, trusted=True)
+
+
+def _found(root: Path) -> Read[tuple[Path, ...]]:
+    try:
+        return Read((*find(root, "", "**/*.parquet"), *find(root, "videos", "**/*.mp4")))
+    except DatasetError as error:
+        return Read((), (error.fault.relative_to(root),))
 
 
 def _hangs_together(table: EpisodeTable) -> bool:

@@ -107,7 +107,8 @@ ORPHAN_FILE = Check("orphan-file", "there is no parquet file or video that nothi
 def no_orphan_table(claims: Claims) -> Iterator[Answer]:
     """Is there a parquet file that nothing names?"""
     known, expected = {*claims.stored.episodes.value.files, TASKS_PATH}, "only files that the index names"
-    for path in (path for path in claims.found if path.suffix == ".parquet" and path not in known):
+    yield from claims.found.faults
+    for path in (path for path in claims.found.value if path.suffix == ".parquet" and path not in known):
         if path.is_relative_to(EPISODES_DIR) and path.match("chunk-*/file-*.parquet"):
             continue
         if path.is_relative_to("data"):
@@ -121,7 +122,7 @@ def no_orphan_table(claims: Claims) -> Iterator[Answer]:
 def no_orphan_video(claims: Claims) -> Iterator[Answer]:
     """Is there a video that no episode is in?"""
     named, known = claims.videos.value
-    for path in claims.found if known else ():
+    for path in claims.found.value if known else ():
         if path.suffix == ".mp4" and path.as_posix() not in named:
             yield Fault(path, "", "a video that no episode is in", "only those that the index names")
 
