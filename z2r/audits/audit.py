@@ -201,10 +201,8 @@ def _fold_file(
             return FileSums(frames.read.n_rows, findings, nothing, None, {}, None)
         number, starts = frames.counts.get("episode_index"), frames.run_starts
         stats = {name: run_stats(signal, starts) for name, signal in frames.signals.items()}
-        scene_sums = _fold_scene(scene, frames, reading, findings)
-        return FileSums(
-            frames.read.n_rows, findings, starts, number if number is None else number[starts], stats, scene_sums
-        )
+        numbers, scene_sums = None if number is None else number[starts], _fold_scene(scene, frames, reading, findings)
+        return FileSums(frames.read.n_rows, findings, starts, numbers, stats, scene_sums)
     except Exception as error:
         return FileSums(None, [failed(claims.path.as_posix(), error)], nothing, None, {}, None)
 

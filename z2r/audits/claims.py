@@ -110,8 +110,8 @@ def _found(root: Path) -> Read[tuple[Path, ...]]:
 
 
 def _hangs_together(table: EpisodeTable) -> bool:
-    tells_one_story = (rules.episode_order, rules.range_length, rules.range_overlap, rules.range_gap)
-    return not any(True for rule in tells_one_story for _ in rule(table))
+    must_hold = (rules.episode_order, rules.range_length, rules.range_overlap, rules.range_gap)
+    return not any(True for rule in must_hold for _ in rule(table))
 
 
 def _table_of(dataset: Dataset) -> tuple[EpisodeTable, list[Path]]:

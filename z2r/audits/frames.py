@@ -1,6 +1,7 @@
 """What is read of one data file, and what is kept of it? All that the checks need, and nothing else stays in memory."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
@@ -35,6 +36,7 @@ class FileClaims(NamedTuple):
     episodes: EpisodeIndex | None
 
 
+@dataclass(frozen=True, eq=False)
 class FileFrames:
     """The frames of one data file, and what the metadata says of it: what the checks of a file are asked of.
 
@@ -50,9 +52,15 @@ class FileFrames:
         What could be read.
     """
 
-    def __init__(self, claims: FileClaims, schema: Schema, tasks: Ints | None, read: DataColumns) -> None:
-        self.claims, self.schema, self.tasks, self.read = claims, schema, tasks, read
-        self.path = claims.path
+    claims: FileClaims
+    schema: Schema
+    tasks: Ints | None
+    read: DataColumns
+
+    @property
+    def path(self) -> Path:
+        """The file, relative to the dataset."""
+        return self.claims.path
 
     @cached_property
     def counts(self) -> dict[str, Ints]:

@@ -1,4 +1,4 @@
-"""Is the index one story? It is told three times: by the episode metadata, by columns of the frames, and by totals."""
+"""Does the index agree with itself? It is stored three times: in the episode metadata, in the frames, and in totals."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
