@@ -483,6 +483,12 @@ def test_every_check_is_made_to_fail_by_some_damage():
     assert named | {check for check, _ in BREAKS.values()} == set(CHECKS) - {AUDIT.name}
 
 
+def test_a_check_is_declared_once():
+    """A scene may ask what the audit asks: then both are parts of one check."""
+    checks = [part.check for part in (*audit_module.PARTS, *PushTChecks().checks)]
+    assert len({check.name for check in checks}) == len(set(checks)) == len(CHECKS) - 1
+
+
 def test_findings_come_in_the_order_of_the_checks(standin_copy):
     edit_info(standin_copy, total_frames=3, splits={"train": "0:9"})
     edit_column(standin_copy, DATA, "timestamp", set_at(100, 99.0))

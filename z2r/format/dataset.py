@@ -21,7 +21,7 @@ from z2r.format import rules
 from z2r.format.episodes import DataFile, EpisodeIndex, EpisodeTable, shard_paths
 from z2r.format.parquet import open_parquet, read_columns, vectors
 from z2r.format.schema import ACTION, STATE, Schema, read_schema
-from z2r.format.store import inside
+from z2r.format.store import folder_name, inside
 from z2r.format.tables import join_shards, read_shard
 
 # Each thread holds one data file in memory: more threads than this would trade memory for little time.
@@ -52,7 +52,7 @@ class Dataset:
 
     def __repr__(self) -> str:
         counts = f"{len(self.episodes):,} episodes, {self.episodes.n_frames:,} frames"
-        return f"Dataset({printable(self.root.resolve().name)}: {counts})"
+        return f"Dataset({printable(folder_name(self.root))}: {counts})"
 
     def first(self, n_episodes: int) -> "Dataset":
         """Return the dataset that holds the first `n_episodes` episodes only, and reads no file that it does not need.

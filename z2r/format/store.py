@@ -47,6 +47,11 @@ def inside(root: Path, relative: Path | str) -> Path:
     return path
 
 
+def folder_name(root: Path) -> str:
+    """Return what a folder is called; the one that we stand in, ``.``, has a name too."""
+    return root.resolve().name
+
+
 def check_folder(root: Path) -> None:
     """Check that there is a folder.
 
