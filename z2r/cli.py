@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import rich_click as click
 
-from z2r.api import CHECKS
 from z2r.data import SHIPPED
 from z2r.errors import DatasetError, MissingExtraError
 from z2r.pusht.task import DEMO_NOISE, MAX_STEPS
@@ -24,7 +23,6 @@ if TYPE_CHECKING:
 
 _SMOKE_STEPS = 40
 _SHIPPED_EPISODES = 6
-_CHECKS_HELP = "What each check asks:\n\n" + "\n\n".join(f"- `{name}`: {asks}" for name, asks in CHECKS.items())
 _MODES_HELP = "What each MODE believes:\n\n" + "\n\n".join(
     f"- `{mode.name}`: {mode.assumption}" for mode in BREAK_MODES.values()
 )
@@ -47,6 +45,16 @@ def cli() -> None:
 
     Start with `z2r inspect`: it reads six demonstrations that come with the package.
     """
+
+
+class _AuditCommand(click.RichCommand):
+    """A command whose help lists the checks: they are loaded when somebody asks for it."""
+
+    def format_help(self, ctx: click.RichContext, formatter: click.RichHelpFormatter) -> None:
+        from z2r.api import CHECKS
+
+        self.epilog = "What each check asks:\n\n" + "\n\n".join(f"- `{name}`: {asks}" for name, asks in CHECKS.items())
+        super().format_help(ctx, formatter)
 
 
 @cli.command(epilog=_MODES_HELP)
@@ -135,7 +143,7 @@ def report(dataset: Path | None, out: Path) -> None:
     _report(_find(dataset), out)
 
 
-@cli.command(epilog=_CHECKS_HELP)
+@cli.command(cls=_AuditCommand)
 @click.argument("dataset", type=click.Path(path_type=Path), required=False)
 @click.option(
     "--break",
