@@ -130,6 +130,8 @@ def test_a_damage_is_named(kind, tmp_path, opened):
         for finding in audit.findings
     ), said(audit)
     assert audit.exit_code == (2 if not audit.readable else 0 if damage.harmless else 1)
+    # One rule book: what the reader refuses is an error here, too.
+    assert damage.reader is None or any(finding.severity == "error" for finding in audit.findings), said(audit)
     for finding in audit.findings:
         assert finding.check != AUDIT.name
         assert str(finding).isprintable()

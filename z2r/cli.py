@@ -50,11 +50,11 @@ def cli() -> None:
 class _AuditCommand(click.RichCommand):
     """A command whose help lists the checks: they are loaded when somebody asks for it."""
 
-    def format_help(self, ctx: click.RichContext, formatter: click.RichHelpFormatter) -> None:
+    def get_help(self, ctx: click.Context) -> str:
         from z2r.api import CHECKS
 
         self.epilog = "What each check asks:\n\n" + "\n\n".join(f"- `{name}`: {asks}" for name, asks in CHECKS.items())
-        super().format_help(ctx, formatter)
+        return super().get_help(ctx)
 
 
 @cli.command(epilog=_MODES_HELP)
