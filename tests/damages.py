@@ -840,7 +840,7 @@ ON_META: dict[str, Damage] = {
         "episode-order",
         EPISODES_DIR,
         base="split",
-        reader="episode 0",
+        reader="in row 0",
     ),
     "a shard number skipped": Damage(
         lambda root: (path := shard_files(root)[2]).rename(path.with_name("file-005.parquet")),
@@ -849,7 +849,7 @@ ON_META: dict[str, Damage] = {
         base="split",
     ),
     "shards exchanged": Damage(
-        lambda root: exchange(*shard_files(root)[:2]), "episode-order", EPISODES_DIR, base="split", reader="episode 0"
+        lambda root: exchange(*shard_files(root)[:2]), "episode-order", EPISODES_DIR, base="split", reader="in row 0"
     ),
     "a shard twice": Damage(
         lambda root: shutil.copy(shard_files(root)[2], shard_files(root)[2].with_name("file-003.parquet")),
@@ -889,22 +889,22 @@ ON_META: dict[str, Damage] = {
         lambda root: take_rows(root, EPISODES, lambda n: [0, 1, 3, 4, 5]),
         "episode-order",
         EPISODES_DIR,
-        reader="episode_index of episode 2: found 3",
+        reader="episode_index in row 2: found 3",
     ),
     "the first episode row dropped": Damage(
-        lambda root: take_rows(root, EPISODES, lambda n: range(1, n)), "episode-order", EPISODES_DIR, reader="episode 0"
+        lambda root: take_rows(root, EPISODES, lambda n: range(1, n)), "episode-order", EPISODES_DIR, reader="in row 0"
     ),
     "an episode row twice": Damage(
         lambda root: take_rows(root, EPISODES, lambda n: [0, 1, 2, 2, 3, 4, 5]),
         "episode-order",
         EPISODES_DIR,
-        reader="episode_index of episode 3: found 2",
+        reader="episode_index in row 3: found 2",
     ),
     "episode rows exchanged": Damage(
         lambda root: take_rows(root, EPISODES, lambda n: [0, 2, 1, 3, 4, 5]),
         "episode-order",
         EPISODES_DIR,
-        reader="episode_index of episode 1: found 2",
+        reader="episode_index in row 1: found 2",
     ),
     "an episode renumbered": Damage(
         set_field("episode_index", 2, 3), "episode-order", EPISODES_DIR, reader="found 3, expected 2"

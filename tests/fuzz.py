@@ -3,9 +3,9 @@
     python tests/fuzz.py --seconds 600          # says what it finds, by the number of the case
     python tests/fuzz.py --case 12345           # shows that case again, with its traceback
 
-A finding is: any exception of the reader but `DatasetError`, any exception or warning of the audit, a process that
-dies, and a case that takes more than 5 s or 1 GiB. With `--silent`, also what the audit is silent on.
-Cases are made from their number alone. What a run finds is kept as a kind in `damages.py` or a case in
+A finding is: any exception of the reader but `DatasetError`, any exception or warning of the audit or of one of its
+checks, a process that dies, and a case that takes more than 5 s or 1 GiB. With `--silent`, also what the audit is
+silent on. Cases are made from their number alone. What a run finds is kept as a kind in `damages.py` or a case in
 `test_untrusted.py`.
 """
 
@@ -32,6 +32,7 @@ from damages import BASES, DATA, EPISODES, INFO, TASKS
 from layouts import STATS_PATH
 
 import z2r
+from z2r.audits.findings import AUDIT
 
 SECONDS, PEAK = 5, 2**30
 STUCK = 30  # seconds in one case
@@ -285,6 +286,8 @@ def judge(root: Path, *, silent: bool) -> Iterator[str]:
         found = z2r.audit(root)
         for finding in found.findings:
             check_line(str(finding))
+            if finding.check == AUDIT.name:
+                raise AssertionError(f"a check failed: {finding}")
         json.dumps(found.to_dict("x"))
         if silent and not found.findings:
             raise AssertionError("the audit says nothing")

@@ -15,6 +15,8 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from z2r.arrays import Columns
+from z2r.format.episodes import DataFile
 from z2r.pusht.task import ACTION_NAMES, CONTROL_HZ, STATE_NAMES
 
 FEATURES = {
@@ -159,6 +161,11 @@ def statistics(values: np.ndarray) -> dict[str, list[float]]:
         "std": values.std(axis=0).tolist(),
         "count": [len(values)],
     }
+
+
+def last_action(file: DataFile, frames: Columns) -> tuple[int, list[float]]:
+    """Take the last action of a file: a fold that other processes can be handed, for they find it here."""
+    return file.from_index, frames["action"][-1].tolist()
 
 
 def data_files(root: Path) -> list[Path]:

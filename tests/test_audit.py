@@ -1,6 +1,7 @@
 """Every damage of the bench is named by the audit, none is silent, and nothing is said of a dataset that is whole."""
 
 import json
+import multiprocessing
 import os
 import re
 import shutil
@@ -8,6 +9,8 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -25,12 +28,14 @@ from damages import (
     STATE,
     TARGET_SIN_COS,
     change_values,
+    drop_column,
     edit_column,
     edit_feature,
     edit_info,
     fingerprint,
     flip,
     make,
+    read_json,
     set_at,
     truncate,
 )
@@ -50,10 +55,18 @@ from layouts import (
 
 import z2r
 from z2r import Feature
-from z2r.audits import CHECKS
-from z2r.audits.values import check_jumps, sum_up
-from z2r.format.episodes import COLUMNS
+from z2r.api import CHECKS, scene_of
+from z2r.audits import audit as audit_module
+from z2r.audits import claims as claims_module
+from z2r.audits.findings import AUDIT
+from z2r.audits.frames import run_stats
+from z2r.audits.values import jumps
+from z2r.check import Answer
+from z2r.format.tables import EPISODE_COLUMNS
+from z2r.pusht import checks as checks_module
+from z2r.pusht.checks import PushTChecks
 from z2r.pusht.task import ACTION_NAMES
+from z2r.pusht.verdict import verdict_path
 
 pytestmark = pytest.mark.filterwarnings("error")  # a warning of numpy would end up on the screen
 
@@ -82,13 +95,13 @@ def opened(monkeypatch: pytest.MonkeyPatch) -> Iterator[set[Path]]:
         if event == "open" and watching and isinstance(args[0], str | os.PathLike):
             paths.add(Path(args[0]).absolute())
 
-    class ParquetFile(pq.ParquetFile):
-        def __init__(self, source, *args, **kwargs):
-            paths.add(Path(source).absolute())
-            super().__init__(source, *args, **kwargs)
+    def memory_map(path, *args, **kwargs):
+        paths.add(Path(path).absolute())
+        return map_file(path, *args, **kwargs)
 
+    map_file = pa.memory_map
     sys.addaudithook(watch)
-    monkeypatch.setattr(pq, "ParquetFile", ParquetFile)
+    monkeypatch.setattr(pa, "memory_map", memory_map)
     yield paths
     watching.clear()
 
@@ -117,7 +130,10 @@ def test_a_damage_is_named(kind, tmp_path, opened):
         for finding in audit.findings
     ), said(audit)
     assert audit.exit_code == (2 if not audit.readable else 0 if damage.harmless else 1)
+    # One rule book: what the reader refuses is an error here, too.
+    assert damage.reader is None or any(finding.severity == "error" for finding in audit.findings), said(audit)
     for finding in audit.findings:
+        assert finding.check != AUDIT.name
         assert str(finding).isprintable()
         assert len(str(finding)) <= 400
 
@@ -210,12 +226,12 @@ def spike(rng: np.random.Generator, episode: int) -> np.ndarray:
     return values
 
 
-@pytest.mark.parametrize(("signal", "jumps"), [(seldom_used, 0), (sparse_reward, 0), (end_of_range, 0), (spike, 1)])
-def test_a_jump_leaps_away_and_back(signal, jumps):
+@pytest.mark.parametrize(("signal", "n_jumps"), [(seldom_used, 0), (sparse_reward, 0), (end_of_range, 0), (spike, 1)])
+def test_a_jump_leaps_away_and_back(signal, n_jumps):
     rng = np.random.default_rng(0)
     values = np.concatenate([signal(rng, episode) for episode in range(10)])[:, None].astype(np.float32)
-    stats = sum_up(values, 100 * np.arange(10))
-    assert len(list(check_jumps("observation.state", Feature("float32", (1,)), stats, np.arange(10)))) == jumps
+    stats = run_stats(values, 100 * np.arange(10))
+    assert len(list(jumps("observation.state", Feature("float32", (1,)), stats, np.arange(10)))) == n_jumps
 
 
 def forget_names(root: Path) -> None:
@@ -331,7 +347,7 @@ numbers = st.one_of(st.integers(-3, 20), st.integers(-(2**63), 2**63 - 1), st.sa
 
 
 @FEW
-@given(column=st.sampled_from(COLUMNS), shard=st.integers(0, 2), row=st.integers(0, 2), value=numbers)
+@given(column=st.sampled_from(EPISODE_COLUMNS), shard=st.integers(0, 2), row=st.integers(0, 2), value=numbers)
 def test_a_random_value_in_the_episode_metadata_is_not_silent(split, column, shard, row, value):
     with tempfile.TemporaryDirectory() as folder:
         root = copied(split, folder)
@@ -466,7 +482,13 @@ def test_only_what_is_whole_can_be_believed_wrong(standin_copy):
 
 def test_every_check_is_made_to_fail_by_some_damage():
     named = {check for damage in DAMAGES.values() for check in damage.checks.split()}
-    assert named | {check for check, _ in BREAKS.values()} == set(CHECKS)
+    assert named | {check for check, _ in BREAKS.values()} == set(CHECKS) - {AUDIT.name}
+
+
+def test_a_check_is_declared_once():
+    """A scene may ask what the audit asks: then both are parts of one check."""
+    checks = [part.check for part in (*audit_module.PARTS, *PushTChecks().checks)]
+    assert len({check.name for check in checks}) == len(set(checks)) == len(CHECKS) - 1
 
 
 def test_findings_come_in_the_order_of_the_checks(standin_copy):
@@ -521,6 +543,158 @@ def test_thousands_of_bad_rows_are_one_line(tmp_path):
     assert "13 more" in str(lines[0])
 
 
+# --- what the audit must not be stopped by
+
+
+def break_check(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    """Let one check, one that any dataset is asked, fail by itself."""
+
+    def fail(_: object) -> Iterator[Answer]:
+        raise KeyError("typo")
+        yield
+
+    parts = tuple(replace(part, run=fail) if part.check.name == name else part for part in audit_module.PARTS)
+    monkeypatch.setattr(audit_module, "PARTS", parts)
+
+
+@pytest.mark.parametrize("name", ["info", "totals", "index-column", "unit-circle", "twin"])
+def test_a_check_that_fails_is_a_finding_and_not_the_end(name, standin_copy, monkeypatch):
+    edit_info(standin_copy, splits={"train": "0:99"})
+    break_check(monkeypatch, name)
+    audit = z2r.audit(standin_copy)
+    assert {finding.check for finding in audit.findings} == {"splits", AUDIT.name}
+    [said_of_it] = {(finding.field, finding.found) for finding in audit.findings if finding.check == AUDIT.name}
+    assert said_of_it == (name, "KeyError: 'typo'")
+    assert any(line.startswith(name) for line in audit.not_checked)
+    assert audit.exit_code == 1
+
+
+def test_a_check_of_what_cannot_be_read_that_fails_is_a_finding(standin_copy, monkeypatch):
+    (standin_copy / INFO).unlink()
+    break_check(monkeypatch, "info")
+    audit = z2r.audit(standin_copy)
+    assert [finding.check for finding in audit.findings] == [AUDIT.name]
+    assert audit.exit_code == 2
+
+
+def test_a_scene_that_fails_is_a_finding_and_not_the_end(monkeypatch):
+    monkeypatch.setattr(PushTChecks, "fold", lambda *_: 1 / 0)
+    audit = z2r.audit(z2r.STANDIN)
+    [finding] = audit.findings
+    assert (finding.check, finding.found) == (AUDIT.name, "ZeroDivisionError: division by zero")
+    assert any("scene" in line for line in audit.not_checked)
+
+
+def test_a_check_of_a_scene_that_fails_is_a_finding_and_not_the_end(monkeypatch):
+    monkeypatch.setattr(checks_module, "read_verdict", lambda _: [][0])
+    audit = z2r.audit(z2r.STANDIN)
+    assert ("verdict", "IndexError: list index out of range") in {(each.field, each.found) for each in audit.findings}
+
+
+@pytest.mark.parametrize("reader", ["read_stats", "read_data_file"])
+def test_a_reader_that_fails_is_a_finding_and_not_the_end(reader, monkeypatch):
+    for module in (claims_module, audit_module):
+        if hasattr(module, reader):
+            monkeypatch.setattr(module, reader, lambda *_: 1 / 0)
+    audit = z2r.audit(z2r.STANDIN)
+    assert audit.exit_code
+    assert [finding.check for finding in audit.findings] == [AUDIT.name]
+
+
+@pytest.mark.parametrize("feature", ["action", STATE])
+def test_a_dataset_without_an_action_or_a_state_is_audited(feature, standin_copy):
+    """The rest of it is; what the scene would see is not."""
+    info, stats = (read_json(standin_copy, file) for file in (INFO, "meta/stats.json"))
+    del stats[feature]
+    (standin_copy / "meta/stats.json").write_text(json.dumps(stats))
+    edit_info(standin_copy, features={name: value for name, value in info["features"].items() if name != feature})
+    drop_column(standin_copy, DATA, feature)
+    audit = silent(standin_copy)
+    assert audit.n_frames == 427
+    assert len(audit.not_checked) > len(z2r.audit(z2r.STANDIN).not_checked)
+
+
+def test_a_reading_without_a_scene_says_what_nobody_looked_at(standin_copy):
+    audit = audit_module.audit(standin_copy)
+    assert not audit.findings
+    assert any("the reading has no scene" in line for line in audit.not_checked)
+    assert "PushT" not in " ".join(audit.not_checked)
+
+
+def test_a_scene_is_of_the_columns_that_it_knows():
+    assert scene_of(z2r.PUSHT) is not None
+    assert scene_of(replace(z2r.PUSHT, ang_tol=0.1)) is not None
+    assert scene_of(replace(z2r.PUSHT, pusher=("hand_x", "hand_y"))) is None
+
+
+def test_a_dataset_is_audited_where_it_lies():
+    assert z2r.audit(z2r.load(z2r.MESSY)) == z2r.audit(z2r.MESSY)
+
+
+def test_other_processes_find_what_threads_find(split, tmp_path):
+    root = copied(split, str(tmp_path))
+    data_files(root)[1].write_bytes(b"")
+    edit_column(root, DATA, "timestamp", set_at(100, 99.0))
+    threads = z2r.audit(root)
+    with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as processes:
+        assert z2r.audit(root, executor=processes) == threads
+        assert z2r.audit(split, z2r.break_mode("wrong-fps"), executor=processes).findings
+    assert {finding.check for finding in threads.findings} >= {"data-file", "timestamp"}
+
+
+def denied(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Take the right to read one file away, also from who may read everything."""
+
+    def guard(read):
+        def guarded(file, *args, **kwargs):
+            if Path(file) == path:
+                raise PermissionError(13, "Permission denied", str(file))
+            return read(file, *args, **kwargs)
+
+        return guarded
+
+    for owner, name in ((Path, "read_bytes"), (pa, "memory_map")):
+        monkeypatch.setattr(owner, name, guard(getattr(owner, name)))
+
+
+@pytest.mark.parametrize(
+    ("file", "check", "readable"),
+    [
+        (INFO, "info", False),
+        (EPISODES, "episodes-file", False),
+        ("meta/tasks.parquet", "tasks-file", True),
+        ("meta/stats.json", "stats-file", True),
+        (DATA, "data-file", True),
+    ],
+)
+def test_a_file_that_nobody_may_read_is_not_called_damaged(file, check, readable, standin_copy, monkeypatch):
+    denied(standin_copy / file, monkeypatch)
+    audit = z2r.audit(standin_copy)
+    [finding] = audit.findings
+    assert (finding.check, finding.file, finding.found) == (check, file, "permission denied")
+    assert "chmod" in finding.mend
+    assert audit.readable == readable
+
+
+@pytest.mark.parametrize("spoil", [lambda path, _: path.write_bytes(b"\xff{"), denied], ids=["broken", "denied"])
+def test_a_verdict_that_cannot_be_read_is_a_finding(spoil, standin_copy, monkeypatch):
+    path = verdict_path(standin_copy)
+    shutil.copy(verdict_path(z2r.STANDIN), path)
+    spoil(path, monkeypatch)
+    [finding] = z2r.audit(standin_copy).findings
+    assert (finding.check, finding.severity, finding.file) == ("verdict", "warning", path.name)
+    assert finding.mend
+
+
+def test_a_folder_that_nobody_may_look_into_is_said_to_be_one(standin_copy, monkeypatch):
+    def closed(folder):
+        raise PermissionError(13, "Permission denied", str(folder))
+
+    monkeypatch.setattr(Path, "iterdir", closed)
+    [finding] = z2r.audit(standin_copy).findings
+    assert (finding.check, finding.found) == ("episodes-file", "permission denied")
+
+
 # --- the command
 
 
@@ -534,6 +708,16 @@ def test_the_command_on_a_whole_dataset(tmp_path):
     assert (result.returncode, result.stderr) == (0, "")
     assert "not checked" in result.stdout.lower()
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("command", [["audit"], ["inspect", "--no-rerun", "--out", "../out"]], ids=lambda args: args[0])
+def test_the_folder_one_stands_in_is_a_dataset(command, standin_copy):
+    program = f"import sys; from z2r.cli import main; sys.argv = ['z2r', *{command}, '.']; main()"
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=standin_copy, capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert standin_copy.name in done.stdout
 
 
 @pytest.mark.parametrize(

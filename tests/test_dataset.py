@@ -1,16 +1,21 @@
 """The reader against LeRobotDataset, value by value."""
 
+import multiprocessing
+import os
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from layouts import lay_out, random_frames
+from layouts import last_action, lay_out, random_frames
 
 import z2r
-from z2r.format.dataset import map_files
+from z2r.format.dataset import in_order, map_files
 
 
 def oracle(root: Path):
@@ -121,3 +126,71 @@ def test_progress_counts_frames_up_to_the_last_one(recorded):
     n = dataset.episodes.n_frames
     assert seen == [(file.to_index, n) for file in dataset.files]
     assert seen[-1] == (n, n)
+
+
+# --- who runs it
+
+
+@pytest.fixture(scope="module")
+def processes() -> Iterator[ProcessPoolExecutor]:
+    with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as executor:
+        yield executor
+
+
+def test_other_processes_read_what_threads_read(recorded, processes):
+    dataset = z2r.load(recorded)
+    done: list[int] = []
+    found = map_files(dataset, ["action"], last_action, lambda done_, _: done.append(done_), processes)
+    assert found == map_files(dataset, ["action"], last_action)
+    assert done == [file.to_index for file in dataset.files]
+
+
+@pytest.mark.parametrize(("damage", "says"), [(Path.unlink, "no such file"), (os.truncate, "cut off")])
+def test_the_error_of_another_process_arrives_whole(damage, says, tmp_path, processes):
+    lay_out(tmp_path / "dataset", lengths=[3, 4, 5], files=[1, 1, 1], shards=[3])
+    dataset = z2r.load(tmp_path / "dataset")
+    damage(dataset.files[1].path, *[20] * (damage is os.truncate))
+    with pytest.raises(z2r.DatasetError, match=says) as caught:
+        map_files(dataset, ["action"], last_action, executor=processes)
+    assert caught.value.fault.path == dataset.files[1].path
+
+
+def test_a_missing_folder_is_an_error_that_crosses_processes(tmp_path, processes):
+    with pytest.raises(z2r.DatasetError, match="no such folder"):
+        processes.submit(z2r.load, tmp_path / "nothing").result()
+    with pytest.raises(z2r.DatasetError, match="no such folder"):
+        processes.submit(z2r.salvage, tmp_path / "nothing").result()
+
+
+def test_files_are_handed_out_as_results_are_taken():
+    """However many there are, what waits is bounded."""
+
+    class Counting(ThreadPoolExecutor):
+        submitted = 0
+
+        def submit(self, *args, **kwargs):
+            self.submitted += 1
+            return super().submit(*args, **kwargs)
+
+    with Counting(2) as executor:
+        results = in_order(abs, range(10_000), executor)
+        assert [next(results) for _ in range(3)] == [0, 1, 2]
+        assert executor.submitted < 100
+        assert list(results) == list(range(3, 10_000))
+
+
+def test_a_dataset_and_its_facts_are_short_at_the_prompt():
+    dataset = z2r.load(z2r.STANDIN)
+    assert repr(dataset) == "Dataset(standin: 6 episodes, 427 frames)"
+    assert repr(dataset.episodes) == "EpisodeIndex(6 episodes, 427 frames)"
+    assert repr(dataset.schema) == "Schema(7 features at 10 fps)"
+
+
+def test_a_file_that_nobody_may_read_is_not_called_damaged(tmp_path, monkeypatch):
+    def closed(path, *_, **__):
+        raise PermissionError(13, "Permission denied", str(path))
+
+    dataset = z2r.load(z2r.STANDIN)
+    monkeypatch.setattr(pa, "memory_map", closed)
+    with pytest.raises(z2r.DatasetError, match=r"permission denied.*chmod"):
+        dataset.read("action")

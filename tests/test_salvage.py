@@ -1,7 +1,9 @@
 """What can still be read of a dataset that was cut off, held against the same episodes of the whole one."""
 
 import json
+import multiprocessing
 import shutil
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -82,6 +84,14 @@ def test_wherever_a_data_file_is_cut_the_other_episodes_are_left(tmp_path_factor
     cut(data(root, number), share)
     first = sum(FILES[:number])
     assert numbers(z2r.salvage(root)) == [i for i in range(7) if not first <= i < first + FILES[number]]
+
+
+def test_other_processes_salvage_what_threads_salvage(copy):
+    cut(data(copy, 1))
+    with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as processes:
+        found, threads = z2r.salvage(copy, processes), z2r.salvage(copy)
+    assert (found.left_out, found.dataset.files) == (threads.left_out, threads.dataset.files)
+    assert numbers(found) == numbers(threads)
 
 
 def test_metadata_that_is_short_of_the_data_names_the_frames_that_nobody_claims(copy, whole):

@@ -44,7 +44,7 @@ PEAK = 800 * 2**20  # bytes, of which Python with pyarrow and rerun takes about 
 # Reads what to look at line by line, and forks for each: Python and pyarrow are loaded once.
 PROGRAM = f"""
 import contextlib, io, json, os, resource, signal, sys, traceback
-import z2r.audits.audit, z2r.reading.inspection, z2r.show.terminal, z2r.pusht.verdict, z2r.show.wallclock
+import z2r.api, z2r.reading.inspection, z2r.show.terminal, z2r.pusht.verdict, z2r.show.wallclock
 from z2r.cli import main
 
 def run(*args):

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from z2r.arrays import Progress, no_progress
 from z2r.audits import audit as audits
-from z2r.audits.audit import Audit
+from z2r.audits.audit import Audit, all_checks
 from z2r.data import find_dataset
 from z2r.errors import DatasetError, Fault
 from z2r.format.dataset import Dataset
@@ -31,6 +31,9 @@ if TYPE_CHECKING:  # rerun need not be installed to read
 
 SHIPPED_READINGS: dict[str, Reading] = {PUSHT.name: PUSHT}
 SCENES: dict[str, Scene] = {SCENE.name: SCENE}
+
+CHECKS: dict[str, str] = {check.name: check.asks for check in all_checks(SCENE)}
+"""What each check asks, by its name, in the order in which findings come. The names are stable."""
 
 
 def scene_of(reading: Reading | None) -> Scene | None:
@@ -81,6 +84,14 @@ def choose_reading(schema: Schema) -> Reading | None:
         if len(reading.missing(schema)) < len(reading.names) / 2:
             return reading
     return None
+
+
+def reading_for(root: Path) -> Reading | None:
+    """Choose a reading for a folder; none where its schema cannot be read, which the audit will say."""
+    try:
+        return choose_reading(read_schema(root))
+    except DatasetError:
+        return None
 
 
 def load(dataset: str | os.PathLike[str]) -> Dataset:
@@ -143,7 +154,7 @@ def inspect_dataset(
     """
     dataset = _loaded(dataset)
     reading = reading or choose_reading(dataset.schema)
-    return inspections.inspect_dataset(dataset, mode, reading, progress, keep)
+    return inspections.inspect_dataset(dataset, mode, reading, progress, keep, executor)
 
 
 def audit(
@@ -181,9 +192,9 @@ def audit(
     >>> [finding.check for finding in z2r.audit("standin", z2r.break_mode("yaw-swap-everywhere")).findings]
     ['overlap']
     """
-    root = dataset.root if isinstance(dataset, Dataset) else find_dataset(dataset)
-    reading = reading or _reading_for(root)
-    return audits.audit(root, mode, reading or PUSHT, progress)
+    root = dataset.root if isinstance(dataset, Dataset) else _folder(dataset)
+    reading = reading or reading_for(root)
+    return audits.audit(root, mode, reading, scene_of(reading), progress, executor)
 
 
 def write_replay(
@@ -276,13 +287,13 @@ def panel(dataset: Dataset | str | os.PathLike[str], reading: Reading | None = N
     return reports.panel(inspection, scene_of(inspection.reading))
 
 
+def _folder(dataset: str | os.PathLike[str]) -> Path:
+    """Return the folder that is meant; where there is none, that is the audit's first finding."""
+    try:
+        return find_dataset(dataset)
+    except DatasetError:
+        return Path(dataset)
+
+
 def _loaded(dataset: Dataset | str | os.PathLike[str]) -> Dataset:
     return dataset if isinstance(dataset, Dataset) else load(dataset)
-
-
-def _reading_for(root: Path) -> Reading | None:
-    """Choose a reading for a folder; none where its schema cannot be read, which the audit will say."""
-    try:
-        return choose_reading(read_schema(root))
-    except DatasetError:
-        return None

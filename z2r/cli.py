@@ -10,12 +10,12 @@ import io
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
+from importlib.abc import MetaPathFinder
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, NoReturn
 
 import rich_click as click
 
-from z2r.audits import CHECKS
 from z2r.data import SHIPPED, find_dataset
 from z2r.errors import DatasetError, Fault, MissingExtraError
 from z2r.pusht.task import DEMO_NOISE, MAX_STEPS
@@ -25,12 +25,14 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from z2r.format.dataset import Dataset
+    from z2r.format.schema import Schema
     from z2r.reading.inspection import Inspection
+    from z2r.reading.reading import Reading
 
 _SMOKE_STEPS = 40
 _SHIPPED_EPISODES = 6
+_REPLAY_FRAMES = 20_000  # half an hour at 10 Hz: more than anybody scrubs through
 _NO_REPLAY = "no replay, which needs rerun. In a clone of the course: pip install '.[view]'"
-_CHECKS_HELP = "What each check asks:\n\n" + "\n\n".join(f"- `{name}`: {asks}" for name, asks in CHECKS.items())
 _MODES_HELP = "What each MODE believes:\n\n" + "\n\n".join(
     f"- `{mode.name}`: {mode.assumption}" for mode in BREAK_MODES.values()
 )
@@ -77,6 +79,25 @@ def _names_a_dataset(command: Callable[..., None]) -> Callable[..., None]:
     return with_dataset
 
 
+def _reads_as(command: Callable[..., None]) -> Callable[..., None]:
+    """Take a reading by --reading, and hand it to the command."""
+    return click.option(
+        "--reading",
+        type=click.Path(),
+        callback=lambda context, parameter, name: _reading(name),
+        metavar="FILE|NAME",
+        help="What the columns mean: a TOML file, or a reading that ships. [default: the one that ships and fits]",
+    )(command)
+
+
+def _reading(name: str | None) -> "Reading | None":
+    if name is None:
+        return None
+    from z2r.api import find_reading
+
+    return find_reading(name)
+
+
 def _break_option(text: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
     return click.option(
         "--break",
@@ -86,6 +107,16 @@ def _break_option(text: str) -> Callable[[Callable[..., None]], Callable[..., No
         metavar="MODE",
         help=text,
     )
+
+
+class _AuditCommand(click.RichCommand):
+    """A command whose help lists the checks: they are loaded when somebody asks for it."""
+
+    def get_help(self, ctx: click.Context) -> str:
+        from z2r.api import CHECKS
+
+        self.epilog = "What each check asks:\n\n" + "\n\n".join(f"- `{name}`: {asks}" for name, asks in CHECKS.items())
+        return super().get_help(ctx)
 
 
 @cli.command(epilog=_MODES_HELP)
@@ -107,6 +138,7 @@ def _break_option(text: str) -> Callable[[Callable[..., None]], Callable[..., No
     is_flag=True,
     help=f"Record afresh, with at most {_SMOKE_STEPS} frames an episode, and no `.rrd`. Needs the extra `record`.",
 )
+@_reads_as
 @_break_option("Read it wrong on purpose, as one of the modes below; `none` reads it right.")
 @click.option(
     "--out",
@@ -127,6 +159,7 @@ def inspect(
     episodes: int | None,
     seed: int | None,
     smoke: bool,
+    reading: "Reading | None",
     mode: BreakMode | None,
     out: Path,
     rerun: bool | None,
@@ -138,13 +171,14 @@ def inspect(
     DATASET is the folder of a LeRobot v3 dataset, or the name of one that comes with the package: `standin` (read
     where none is named) or `messy`. It is never written to.
 
-    A dataset seldom stores success. It is reconstructed: the block's last stored pose, held against the target.
+    A dataset seldom stores success. It is reconstructed from the last stored frame of each episode, by a reading: which
+    column means what, and what counts as reached.
 
-    - `z2r inspect my_dataset` reads yours
+    - `z2r inspect my_dataset --reading my.toml` reads yours; `z2r/pusht/pusht.toml` shows what such a file looks like
     - `z2r inspect --break yaw-swap` reads it wrong, to show what that looks like
     - `rerun z2r-out/inspect.rrd` replays what was read
     """
-    from z2r.reading.inspection import inspect_dataset
+    from z2r.api import choose_reading, inspect_dataset
     from z2r.show.terminal import console, left_out, progress, summary
 
     with_replay = _can_replay(rerun, otherwise=not (smoke or as_json))
@@ -159,16 +193,18 @@ def inspect(
     _refuse_inside(root, out)
     data = _first(data, episodes)
     screen = console(as_json)
-    _announce(screen, "inspect" if with_replay else "inspect --no-rerun", data, mode)
+    reading = _fitting(reading, data.schema) or choose_reading(data.schema)
+    _announce(screen, "inspect" if with_replay else "inspect --no-rerun", data)
+    _say_what_is_wrong(screen, mode, reading)
     with progress("reading", "frames", as_json) as move, _way_out(root, salvaged=salvage):
-        inspection = inspect_dataset(data, mode, progress=move)
+        inspection = inspect_dataset(data, mode, reading, move, keep=_REPLAY_FRAMES if with_replay else 0)
     metrics = _write_metrics(inspection, title, root, out, lost if salvage else None)
     screen.print(summary(inspection, title))
     if salvage:
         screen.print(left_out(lost))
     screen.print(f"wrote {out / 'metrics.json'}", soft_wrap=True)
     if with_replay:
-        _write_replay(mode.dataset(data) if mode else data, inspection, out / "inspect.rrd", screen)
+        _write_replay(inspection, out / "inspect.rrd", screen)
     elif rerun is None and not smoke:
         screen.print(_NO_REPLAY, soft_wrap=True)
     if as_json:
@@ -180,13 +216,31 @@ def _refuse_inside(root: Path, out: Path) -> None:
         raise click.UsageError(f"{out} is inside the dataset, which is never written to: name another --out")
 
 
-def _announce(screen: "Console", command: str, dataset: "Dataset", mode: BreakMode | None = None) -> None:
-    """Say how long it takes, and what is read wrong, before the work begins."""
-    from z2r.show.terminal import expectation, wrong_on_purpose
+def _announce(screen: "Console", command: str, dataset: "Dataset") -> None:
+    """Say how long it takes, before the work begins."""
+    from z2r.show.terminal import expectation
 
     screen.print(expectation(command, dataset.episodes.n_frames), soft_wrap=True)
+
+
+def _say_what_is_wrong(screen: "Console", mode: BreakMode | None, reading: "Reading | None") -> None:
+    """Say what is believed under a break mode, and whether there is anything here that it is about."""
+    from z2r.show.terminal import wrong_on_purpose
+
     if mode:
-        screen.print(wrong_on_purpose(mode))
+        screen.print(wrong_on_purpose(mode, mode.applies_to(reading)))
+
+
+def _fitting(reading: "Reading | None", schema: "Schema") -> "Reading | None":
+    """Return a reading that somebody asked for, and refuse one that does not fit."""
+    from z2r.reading.decode import features_of
+
+    try:
+        if reading:
+            features_of(reading, schema)
+    except ValueError as error:
+        raise click.UsageError(f"--reading: {reading.name if reading else ''} does not fit: {error}") from None
+    return reading
 
 
 def _can_replay(asked: bool | None, *, otherwise: bool) -> bool:
@@ -262,10 +316,21 @@ def _write_metrics(
     return metrics
 
 
-def _write_replay(dataset: "Dataset", inspection: "Inspection", path: Path, screen: "Console") -> None:
+class _NoPandas(MetaPathFinder):
+    """pyarrow imports pandas for each list that rerun hands it, 0.2 s of CPU, and nothing here needs it."""
+
+    def find_spec(self, name: str, path: object = None, target: object = None) -> None:
+        if name == "pandas":
+            raise ModuleNotFoundError(name)
+
+
+def _write_replay(inspection: "Inspection", path: Path, screen: "Console") -> None:
+    from z2r.api import scene_of
+
+    sys.meta_path.insert(0, _NoPandas())
     from z2r.show.replay import write_replay
 
-    replay = write_replay(dataset, path, inspection.reading)
+    replay = write_replay(inspection, path, scene_of(inspection.reading))
     screen.print(f"wrote {replay.path}: look at it with `rerun {replay.path}`", soft_wrap=True)
     episodes = inspection.episodes
     if replay.n_frames < episodes.n_frames:
@@ -276,6 +341,7 @@ def _write_replay(dataset: "Dataset", inspection: "Inspection", path: Path, scre
 
 @cli.command()
 @_names_a_dataset
+@_reads_as
 @click.option(
     "--out",
     type=click.Path(path_type=Path, dir_okay=False),
@@ -284,7 +350,7 @@ def _write_replay(dataset: "Dataset", inspection: "Inspection", path: Path, scre
     metavar="FILE.html",
     help="The page to write.",
 )
-def report(dataset: Path | None, out: Path) -> None:
+def report(dataset: Path | None, *, reading: "Reading | None", out: Path) -> None:
     """Write a page that shows a dataset: play an episode, step through it, read it wrong and watch what happens.
 
     DATASET is named as for `z2r inspect`. It is never written to.
@@ -292,16 +358,16 @@ def report(dataset: Path | None, out: Path) -> None:
     The page is one file that any browser opens from disk. It needs no network and no server, so it can be mailed. It
     stays below 5 MB: of a large dataset, it holds the frames of the first episodes, and the sums of all.
     """
-    from z2r.format.dataset import load
-    from z2r.show.report import write_report
+    from z2r.api import load, write_report
     from z2r.show.terminal import console, progress
 
     screen = console()
     data = load(find_dataset(dataset))
+    reading = _fitting(reading, data.schema)
     _announce(screen, "report", data)
     try:
         with progress("reading", "frames", quiet=False) as move:
-            written = write_report(data, out, move)
+            written = write_report(data, out, reading, move)
     except ValueError as error:
         raise click.UsageError(f"--out: {error}") from None
     screen.print(f"wrote {written.path}: open it in a browser", soft_wrap=True)
@@ -309,38 +375,42 @@ def report(dataset: Path | None, out: Path) -> None:
         screen.print(f"to keep the page small: {written.left_out}", soft_wrap=True)
 
 
-@cli.command(epilog=_CHECKS_HELP)
+@cli.command(cls=_AuditCommand)
 @_names_a_dataset
+@_reads_as
 @_break_option("Audit it as it is read under one of the mistakes that `z2r inspect --help` names: is it noticed?")
 @click.option("--json", "as_json", is_flag=True, help="Print the findings as JSON and nothing else.")
-def audit(dataset: Path | None, *, mode: BreakMode | None, as_json: bool) -> None:
+def audit(dataset: Path | None, *, reading: "Reading | None", mode: BreakMode | None, as_json: bool) -> None:
     """Say what is wrong with a dataset: each finding with what was found, what was expected, and how to mend it.
 
     DATASET is named as for `z2r inspect`. It is never written to.
 
     A dataset describes its episodes in three places: the metadata, the columns of its frames, and its totals. They are
-    compared. So are its values with its statistics, and its reading with what solid bodies can do. At the end it says
-    what was not checked.
+    compared. So are its values with its statistics, and its reading with what its task allows. At the end it says what
+    was not checked.
 
     The exit code is 0 where there is no error and no warning, 1 where there is one, and 2 where the dataset cannot be
     read.
 
     - `z2r audit my_dataset && train my_dataset` trains on nothing that is broken
     - `z2r audit my_dataset --json` is for scripts
-    - `z2r audit --break yaw-swap-everywhere` finds by a number what the success rate hides
+    - `z2r audit --break yaw-swap-everywhere` finds by a number what the share reached hides
     """
     import msgspec
 
-    from z2r.audits.audit import audit as audit_dataset
-    from z2r.show.terminal import audit_report, console, progress, wrong_on_purpose
+    from z2r.api import audit as audit_dataset
+    from z2r.api import reading_for
+    from z2r.format.schema import read_schema
+    from z2r.show.terminal import audit_report, console, progress
 
     root = find_dataset(dataset)
     title = root.resolve().name
     screen = console(as_json)
-    if mode:
-        screen.print(wrong_on_purpose(mode))
+    with contextlib.suppress(DatasetError):  # of a schema that cannot be read, the audit says why
+        _fitting(reading, read_schema(root))
+    _say_what_is_wrong(screen, mode, reading or reading_for(root))
     with progress("auditing", "data files", as_json) as move:
-        found = audit_dataset(root, mode, progress=move)
+        found = audit_dataset(root, mode, reading, move)
     screen.print(audit_report(found, title))
     if as_json:
         click.echo(msgspec.json.format(msgspec.json.encode(found.to_dict(title)), indent=2))

@@ -1,9 +1,11 @@
 """What is wrong with a dataset: one record for who stops at the first fault and for who collects them all."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 MAX_LENGTH = 200  # of one part of a line: a dataset may give a name, or a number, of any length
+_SOME = 8  # names or numbers in one line: more say no more
 
 
 class Fault(NamedTuple):
@@ -81,6 +83,15 @@ def short(text: object, length: int = MAX_LENGTH) -> str:
     """
     said = str(text)
     return said if len(said) <= length else f"{said[:length]}..."
+
+
+def some(names: Sequence[object]) -> str:
+    """List names or numbers, or the first of them where they are many.
+
+    >>> some(range(100))
+    '0, 1, 2, 3, 4, 5, 6, 7 ...'
+    """
+    return ", ".join(map(str, names[:_SOME])) + (" ..." if len(names) > _SOME else "")
 
 
 def printable(text: str) -> str:

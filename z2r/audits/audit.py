@@ -6,34 +6,45 @@ itself in one place against what it says in another, and goes on.
 
 import os
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
-from difflib import get_close_matches
-from itertools import chain
+from collections.abc import Iterable, Iterator, Sequence
+from concurrent.futures import Executor
+from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import msgspec
 import numpy as np
 
-from z2r.arrays import Bools, Columns, Ints, Progress, no_progress
-from z2r.audits import CHECKS, frames, index, values
-from z2r.audits.claims import Story, believe, read_story
-from z2r.audits.findings import Finding, from_fault, warning
-from z2r.errors import DatasetError
-from z2r.format.dataset import in_threads
-from z2r.format.episodes import EpisodeIndex
-from z2r.format.parquet import open_parquet
-from z2r.format.schema import ACTION, BOOKKEEPING, INFO_PATH, MAX_SIGNAL_SIZE, Schema, inside
-from z2r.pusht import checks as physics
-from z2r.pusht.verdict import read_verdict, verdict_path
-from z2r.pusht.world import PUSHT
+from z2r.arrays import Ints, Progress, no_progress
+from z2r.audits import index, structure, values
+from z2r.audits.claims import Claims, NoSchema, Stored, claims_under, read_claims
+from z2r.audits.findings import AUDIT, Finding, ask, failed
+from z2r.audits.frames import FileClaims, FileFrames, file_claims, run_stats
+from z2r.audits.runs import FileSums, Runs, join_runs
+from z2r.check import Check, asked_of, parts_in
+from z2r.errors import DatasetError, some
+from z2r.format.dataset import in_order
+from z2r.format.schema import MAX_SIGNAL_SIZE, Schema
+from z2r.format.tables import read_data_file
 from z2r.reading.breaks import BreakMode
+from z2r.reading.decode import decode, features_of
 from z2r.reading.reading import Reading
+from z2r.reading.scene import Scene, SceneSums
 
 MAX_OF_A_CHECK = 5  # findings in detail: a fault that is in every file would hide the others
 
-_SOME = 5  # names in one line
-_ORDER = {name: number for number, name in enumerate(CHECKS)}
+PARTS = parts_in(structure, index, values)
+"""What every dataset is asked, in the order in which findings come."""
+
+
+def all_checks(scene: Scene | None = None) -> tuple[Check, ...]:
+    """Return all checks, each once, in the order in which their findings come; those of a scene come after the others.
+
+    >>> [check.name for check in all_checks()][:3]
+    ['info', 'version', 'episodes-file']
+    """
+    parts = (*PARTS, *(scene.checks if scene else ()))
+    return tuple(dict.fromkeys([*(part.check for part in parts), AUDIT]))
 
 
 class Audit(msgspec.Struct, frozen=True):
@@ -103,268 +114,195 @@ class Audit(msgspec.Struct, frozen=True):
 def audit(
     root: str | os.PathLike[str],
     mode: BreakMode | None = None,
-    reading: Reading = PUSHT,
+    reading: Reading | None = None,
+    scene: Scene | None = None,
     progress: Progress = no_progress,
+    executor: Executor | None = None,
 ) -> Audit:
     """Look for everything that can be wrong with a dataset, in one pass over its files.
 
     Parameters
     ----------
     root : str or path
-        The folder of a LeRobot v3 dataset. It is not written to, and nothing outside of it is read but the simulator's
-        verdict beside it.
+        The folder of a LeRobot v3 dataset. It is not written to, and nothing outside of it is read but what the scene
+        reads beside it.
     mode : BreakMode, optional
         Audit what somebody believes who gets this assumption wrong. The dataset must be whole.
     reading : Reading, optional
-        What the columns mean. Where the schema lacks its columns, the checks of the reading are left out.
+        What the columns mean.
+    scene : Scene, optional
+        What the task of this reading knows beyond its columns. Where the schema lacks these, it is left out.
     progress : callable, optional
         Called with the number of data files done and the number of all, after each.
+    executor : Executor, optional
+        Who reads the data files, such as a ``ProcessPoolExecutor``; at most four threads unless given.
 
     Returns
     -------
     Audit
-        Memory is bounded by the data files in flight, at most four, and a few numbers for each episode.
+        Memory is bounded by the data files in flight, one for each worker, and a few numbers for each episode.
 
     Raises
     ------
     DatasetError
         Only with a `mode`: if the dataset is not whole.
-
-    Examples
-    --------
-    >>> import z2r
-    >>> z2r.audit(z2r.STANDIN).findings
-    ()
-    >>> [finding.check for finding in z2r.audit(z2r.STANDIN, z2r.break_mode("yaw-swap-everywhere")).findings]
-    ['overlap']
     """
     root = Path(root)
-    if mode:
-        reading = mode.reading(reading)
     try:
-        story = believe(root, mode) if mode else read_story(root)
-    except DatasetError as fault:
+        claims = claims_under(mode, root, reading) if mode else read_claims(root, reading)
+    except DatasetError as error:
         if mode:
             raise
-        check = "version" if fault.fault.field == "codebase_version" else "info"
-        return _ended([from_fault(check, fault, root)])
-    if not len(story.rows.number):
-        return _ended(story.findings)
-    bases = _first_frames(root, story, mode)
-    parts = _fold_files(root, story, bases, reading, progress)
-    findings = [
-        *story.findings,
-        *_check_names(reading, story.schema),
-        *_judge(root, story, parts, bases, reading),
-    ]
-    n_frames = sum(part.n_rows or 0 for part in parts)
-    left_out = _not_checked(root, story, parts, reading)
-    return _audit(findings, left_out, len(story.rows.number), n_frames, mode, readable=True)
-
-
-class _Part(NamedTuple):
-    """What is kept of one data file."""
-
-    n_rows: int | None
-    findings: list[Finding]
-    starts: Ints  # first row of each run of frames with one episode_index
-    numbers: Ints | None  # their episode_index
-    runs: dict[str, values.RunStats]
-    sums: physics.Sums | None
+        unreadable = ask(asked_of(NoSchema, PARTS), NoSchema(error.fault.relative_to(root)))
+        return _ended([*unreadable], mode)
+    except Exception as error:
+        return _ended([failed("what the dataset says of itself", error)], mode)
+    findings = [*ask(asked_of(Stored, PARTS), claims.stored)]
+    if not len(claims.table.number):
+        return _ended(findings, mode)
+    findings += ask(asked_of(Claims, PARTS), claims)
+    files = file_claims(claims, under_mode=mode is not None)
+    sums = _fold_files(claims, files, scene, progress, executor)
+    findings += [finding for part in sums for finding in part.findings]
+    findings += _ask_of_all(claims, files, sums, scene)
+    return Audit(
+        *_in_order(findings, all_checks(scene)),
+        not_checked=(*_failed(findings), *_not_checked(claims, sums, scene)),
+        n_episodes=len(claims.table.number),
+        n_frames=sum(part.n_rows or 0 for part in sums),
+        break_mode=mode.name if mode else None,
+        readable=True,
+    )
 
 
 def _fold_files(
-    root: Path, story: Story, bases: Sequence[int], reading: Reading, progress: Callable[[int, int], None]
-) -> list[_Part]:
-    parts = []
-    for part in in_threads(lambda file: _fold(root, story, file, bases[file], reading), range(len(story.files))):
-        parts.append(part)
-        progress(len(parts), len(story.files))
-    return parts
+    claims: Claims,
+    files: Sequence[FileClaims],
+    scene: Scene | None,
+    progress: Progress,
+    executor: Executor | None,
+) -> list[FileSums]:
+    work = partial(_fold_file, claims.root, claims.schema, claims.stored.tasks.value, claims.reading, scene)
+    sums = []
+    for part in in_order(work, files, executor):
+        sums.append(part)
+        progress(len(sums), len(files))
+    return sums
 
 
-def _first_frames(root: Path, story: Story, mode: BreakMode | None) -> list[int]:
-    """Say which frame of the dataset each file begins with: by the metadata, or by the rows where that is no story."""
-    if story.trusted and not mode:
-        return [int(story.rows.start[story.rows.file == file].min()) for file in range(len(story.files))]
-    bases = [0]
-    for file, path in enumerate(story.files):
-        try:
-            n_rows = open_parquet(inside(root, path)).metadata.num_rows
-        except DatasetError:
-            n_rows = int(story.rows.length[story.rows.file == file].sum())
-        bases.append(bases[-1] + n_rows)
-    return bases[:-1]
-
-
-def _fold(root: Path, story: Story, file: int, base: int, reading: Reading) -> _Part:
-    path, schema = story.files[file], story.schema
-    read = frames.read_file(root, schema, path)
-    findings = read.findings
-    if not read.n_rows:
-        if read.n_rows == 0:
-            findings += index.check_file_length(story.rows, file, 0, path)
-        return _Part(read.n_rows, findings, np.array([], dtype=np.int64), None, {}, None)
-    told = {name: values[:, 0] for name, values in read.frames.items() if name in BOOKKEEPING}
-    findings += index.check_file_length(story.rows, file, read.n_rows, path)
-    findings += _check_columns(told, story, base, path)
-    number = told.get("episode_index")
-    changes = np.zeros(read.n_rows, dtype=bool) if number is None else np.diff(number, prepend=number[0]) != 0
-    changes[0] = True
-    starts = np.flatnonzero(changes)
-    findings += values.check_unit_circle(read.frames, schema, path)
-    # Not the bookkeeping: LeRobot does not renew its statistics when it edits a dataset.
-    runs = {name: values.sum_up(column, starts) for name, column in read.frames.items() if name not in BOOKKEEPING}
-    numbers = None if number is None else number[starts].astype(np.int64)
-    sums = None
-    if _fits(reading, schema) and {reading.feature, ACTION} <= set(read.frames):
-        episodes = story.episodes if story.trusted else _of_runs(starts, numbers, base, read.n_rows)
-        sums = physics.fold(read.frames, base, episodes, reading, schema)
-    return _Part(read.n_rows, findings, starts, numbers, runs, sums)
-
-
-def _check_columns(told: Columns, story: Story, base: int, path: Path) -> Iterator[Finding]:
-    whole = {name: column.astype(np.int64) for name, column in told.items() if name != "timestamp"}
-    if "index" in whole:
-        yield from index.check_counting(whole["index"], base, path)
-    if "frame_index" in whole:
-        begins = np.isin(base + np.arange(len(whole["frame_index"])), story.rows.start) if story.trusted else None
-        yield from index.check_frame_index(whole["frame_index"], whole.get("episode_index"), begins, path)
-    if "timestamp" in told and "frame_index" in whole:
-        timestamp = told["timestamp"].astype(np.float64)
-        yield from index.check_timestamps(timestamp, whole["frame_index"], story.schema.fps, path)
-    if "task_index" in whole:
-        yield from index.check_task_index(whole["task_index"], story.tasks, path)
-
-
-def _of_runs(starts: Ints, numbers: Ints | None, base: int, n_rows: int) -> EpisodeIndex:
-    """Where episodes end by the frames' own `episode_index`: the metadata is no story to go by."""
-    stops = np.append(starts[1:], n_rows)
-    return EpisodeIndex(base + starts, base + stops, np.arange(len(starts)) if numbers is None else numbers)
-
-
-def _judge(
-    root: Path, story: Story, parts: Sequence[_Part], bases: Sequence[int], reading: Reading
-) -> Iterator[Finding]:
-    yield from chain.from_iterable(part.findings for part in parts)
-    readable = [part for part in parts if part.n_rows]
-    if readable and all(part.numbers is not None for part in readable):
-        yield from _judge_runs(root, story, parts, bases)
-    if readable and all(part.sums for part in readable):
-        sums = [part.sums for part in readable if part.sums]
-        files = [path for path, part in zip(story.files, parts, strict=True) if part.sums]
-        yield from physics.judge(sums, files, reading)
-        yield from _judge_verdict(root, story, physics.reached(sums, reading))
-
-
-def _judge_runs(root: Path, story: Story, parts: Sequence[_Part], bases: Sequence[int]) -> Iterator[Finding]:
-    """Hold the runs of frames against the metadata, and the values of each run against those of the others."""
-    tables = [
-        index.Runs(
-            part.numbers,
-            base + part.starts,
-            base + np.append(part.starts[1:], part.n_rows or 0),
-            np.full(len(part.starts), file),
-        )
-        for file, (part, base) in enumerate(zip(parts, bases, strict=True))
-        if part.numbers is not None
-    ]
-    runs = index.Runs(*(np.concatenate(columns) for columns in zip(*tables, strict=True)))
-    yield from index.check_runs(story.rows, runs, story.files, [i for i, part in enumerate(parts) if part.n_rows])
-    readable = [part.runs for part in parts if part.n_rows]
-    signals = story.schema.signals()
-    shared = [name for name in signals if all(name in part for part in readable)]
-    stats = {name: values.joined([part[name] for part in readable]) for name in shared}
-    for name in shared:
-        yield from values.check_jumps(name, signals[name], stats[name], runs.number)
-    yield from values.check_frozen(story.schema, stats, runs.number)
-    yield from values.check_dead(story.schema, stats)
-    yield from values.check_twins(stats, runs.number)
-    # Of a matrix, LeRobot stores the statistics of the last axis only.
-    flat = {name: stats[name] for name in shared if len(signals[name].shape) == 1}
-    if story.stats is not None and all(part.n_rows for part in parts):
-        yield from values.check_stats(story.stats, flat, story.schema)
-    run_of_episode = {number: run for run, number in enumerate(runs.number.tolist())}
-    yield from values.check_episode_stats(root, story.shards, story.schema, flat, run_of_episode)
-
-
-def _judge_verdict(root: Path, story: Story, reached: Bools) -> Iterator[Finding]:
-    name = verdict_path(root).name
+def _fold_file(
+    root: Path, schema: Schema, tasks: Ints | None, reading: Reading | None, scene: Scene | None, claims: FileClaims
+) -> FileSums:
+    """Read one data file, ask of it all that there is to ask, and keep what the others are held against."""
+    nothing = np.array([], dtype=np.int64)
     try:
-        verdict = read_verdict(root)
-    except DatasetError as fault:
-        yield warning("verdict", name, *fault.fault[1:4])
-        return
-    if verdict and len(reached) == len(story.episodes):
-        yield from physics.check_verdict(reached, story.episodes, verdict, name)
+        frames = FileFrames(claims, schema, tasks, read_data_file(root, schema, claims.path))
+        findings = [*ask(asked_of(FileFrames, PARTS), frames)]
+        if not frames.read.n_rows:
+            return FileSums(frames.read.n_rows, findings, nothing, None, {}, None)
+        number, starts = frames.counts.get("episode_index"), frames.run_starts
+        stats = {name: run_stats(signal, starts) for name, signal in frames.signals.items()}
+        numbers, scene_sums = None if number is None else number[starts], _fold_scene(scene, frames, reading, findings)
+        return FileSums(frames.read.n_rows, findings, starts, numbers, stats, scene_sums)
+    except Exception as error:
+        return FileSums(None, [failed(claims.path.as_posix(), error)], nothing, None, {}, None)
 
 
-def _check_names(reading: Reading, schema: Schema) -> Iterator[Finding]:
-    """Is a name of the reading misspelt? Then the reading does not fit, and nothing says what the columns mean."""
-    feature = schema.features.get(reading.feature)
-    others = [name for name in (feature.dim_names if feature else ()) if name not in reading.names]
-    for name in reading.missing(schema):
-        for close in get_close_matches(name, others, n=1, cutoff=0.85):
-            mend = "If it is this column, mend its name: without it, nothing says what the columns mean"
-            yield warning("info", INFO_PATH, f"features.{reading.feature}.names", close, name, mend)
+def _fold_scene(scene: Scene | None, frames: FileFrames, reading: Reading | None, findings: list[Finding]) -> Any:
+    schema, columns = frames.schema, frames.read.frames
+    if scene is None or reading is None or reading.missing(schema):
+        return None
+    if not set(features_of(reading, schema)) <= set(columns):
+        return None
+    try:
+        decoded = decode(columns, reading, schema)
+        return scene.fold(decoded, frames.claims.base, frames.episodes, schema.fps)
+    except Exception as error:
+        findings.append(failed(f"the scene in {frames.path.as_posix()}", error))
+        return None
 
 
-def _fits(reading: Reading, schema: Schema) -> bool:
-    return not reading.missing(schema) and not reading.missing_action(schema)
+def _ask_of_all(
+    claims: Claims, files: Sequence[FileClaims], sums: Sequence[FileSums], scene: Scene | None
+) -> Iterator[Finding]:
+    """Ask what only all files together can answer."""
+    runs = join_runs(claims, files, sums)
+    if runs:
+        yield from ask(asked_of(Runs, PARTS), runs)
+    if scene and claims.reading and _has_scene(sums):
+        folded = [(file.path, part.scene) for file, part in zip(files, sums, strict=True) if part.n_rows]
+        paths, scene_sums = zip(*folded, strict=True)
+        yield from ask(scene.checks, SceneSums(claims.root, claims.episodes, claims.reading, paths, scene_sums))
 
 
-def _not_checked(root: Path, story: Story, parts: Sequence[_Part], reading: Reading) -> tuple[str, ...]:
+def _has_scene(sums: Sequence[FileSums]) -> bool:
+    read = [part for part in sums if part.n_rows]
+    return bool(read) and all(part.scene is not None for part in read)
+
+
+def _not_checked(claims: Claims, sums: Sequence[FileSums], scene: Scene | None) -> Iterator[str]:
     """Say what nobody looked at."""
-    schema = story.schema
-    missing = []
-    unread = sum(part.n_rows is None for part in parts)
+    unread = sum(part.n_rows is None for part in sums)
     if unread:
-        missing.append(f"the frames of {unread} of {len(parts)} data files: they cannot be read")
-    if not _fits(reading, schema):
-        missing.append("what the columns mean: they are not those of the PushT task, the only reading there is")
-        missing.append("whether an action is possible, and whether it does what it says: nothing states its limits")
-        missing.append("success: nothing says what it would be")
-    elif not all(part.sums for part in parts):
-        missing.append("the reading: the state or the action of some file cannot be used")
-    elif not verdict_path(root).is_file():
-        missing.append(
-            "whether the tolerances are those of the task: no verdict of the simulator is beside the dataset"
-        )
-    unclean = sorted(
-        {finding.field.split("[")[0] for part in parts for finding in part.findings if finding.check == "finite"}
-    )
-    if unclean:
-        missing.append(f"jumps, standstill and statistics of {', '.join(unclean[:_SOME])}: not all values are numbers")
-    pictures = [name for name, feature in schema.features.items() if not feature.is_numeric]
+        yield f"the frames of {unread} of {len(sums)} data files: they cannot be read"
+    if any(part.n_rows and part.numbers is None for part in sums):
+        yield "episodes against each other: `episode_index` of some file cannot be used"
+    yield from _meaning_not_checked(claims, sums, scene)
+    findings = (finding for part in sums for finding in part.findings)
+    gaps = {finding.field.split("[")[0] for finding in findings if finding.check == values.FINITE.name}
+    if gaps:
+        yield f"jumps, standstill and statistics of {some(sorted(gaps))}: not all values are numbers"
+    features = claims.schema.features.items()
+    pictures = [name for name, feature in features if not feature.is_numeric]
     if pictures:
-        missing.append(f"pictures and text: {', '.join(pictures[:_SOME])} (only that the files are there)")
-    unsummed = [name for name, f in schema.features.items() if f.is_numeric and f.size > MAX_SIGNAL_SIZE]
-    if unsummed:
-        missing.append(f"the values of {', '.join(unsummed[:_SOME])}: more than {MAX_SIGNAL_SIZE} numbers a frame")
-    missing.append("stored quantiles (q01, q10 ...): LeRobot estimates them, so they need not be those of the data")
-    missing.append("whether the text of a task is true, and whether the demonstrations are any good")
-    return tuple(missing)
+        yield f"pictures and text: {some(pictures)} (only that the files are there)"
+    wide = [name for name, feature in features if feature.is_numeric and feature.size > MAX_SIGNAL_SIZE]
+    if wide:
+        yield f"the values of {some(wide)}: more than {MAX_SIGNAL_SIZE} numbers a frame"
+    yield "stored quantiles (q01, q10 ...): LeRobot estimates them, so they need not be those of the data"
+    yield "whether the text of a task is true, and whether the demonstrations are any good"
 
 
-def _ended(findings: Sequence[Finding]) -> Audit:
+def _meaning_not_checked(claims: Claims, sums: Sequence[FileSums], scene: Scene | None) -> Iterator[str]:
+    if claims.reading is None or claims.reading.missing(claims.schema):
+        yield "what the columns mean: no reading fits"
+        yield "whether an action is possible, and whether it does what it says: nothing states its limits"
+        yield "success: nothing says what it would be"
+    elif scene is None:
+        yield "solid bodies and limits: the reading has no scene"
+    elif not _has_scene(sums):
+        yield "solid bodies and limits: columns that the scene needs are not there, or cannot be used in some file"
+    else:
+        yield from _left_out_by(scene, claims.root)
+
+
+def _left_out_by(scene: Scene, root: Path) -> list[str]:
+    try:
+        return [*scene.not_checked(root)]
+    except Exception as error:
+        return [f"what the scene leaves out: it could not say so ({type(error).__name__})"]
+
+
+def _failed(findings: Iterable[Finding]) -> Iterator[str]:
+    for finding in findings:
+        if finding.check == AUDIT.name:
+            yield f"{finding.field}: the audit itself failed there"
+
+
+def _ended(findings: Sequence[Finding], mode: BreakMode | None) -> Audit:
     nothing_else = "everything else: without meta/info.json and the episode metadata, frames mean nothing"
-    return _audit(findings, (nothing_else,), 0, 0, None, readable=False)
+    kept, more = _in_order(findings, all_checks())
+    name = mode.name if mode else None
+    return Audit(kept, more, (*_failed(findings), nothing_else), 0, 0, name, readable=False)
 
 
-def _audit(
-    findings: Sequence[Finding],
-    not_checked: tuple[str, ...],
-    n_episodes: int,
-    n_frames: int,
-    mode: BreakMode | None,
-    *,
-    readable: bool,
-) -> Audit:
+def _in_order(findings: Iterable[Finding], checks: Sequence[Check]) -> tuple[tuple[Finding, ...], dict[str, int]]:
+    """Sort findings by their checks, keep the first of each, and count the others."""
+    order = [check.name for check in checks]
     seen: Counter[str] = Counter()
     kept = []
-    for finding in sorted(findings, key=lambda finding: _ORDER[finding.check]):
+    for finding in sorted(findings, key=lambda finding: order.index(finding.check)):
         seen[finding.check] += 1
         if seen[finding.check] <= MAX_OF_A_CHECK:
             kept.append(finding)
-    more = {check: count - MAX_OF_A_CHECK for check, count in seen.items() if count > MAX_OF_A_CHECK}
-    return Audit(tuple(kept), more, not_checked, n_episodes, n_frames, mode.name if mode else None, readable)
+    return tuple(kept), {check: count - MAX_OF_A_CHECK for check, count in seen.items() if count > MAX_OF_A_CHECK}

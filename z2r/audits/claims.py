@@ -1,4 +1,4 @@
-"""What does a dataset say of itself, before a frame is read? Its schema, its index, its totals, and its statistics."""
+"""What does a dataset claim, before a frame is read? Its schema, its index, its totals, and its statistics."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -7,35 +7,73 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from z2r.arrays import Ints
-from z2r.audits import index, structure
-from z2r.audits.findings import Finding
-from z2r.audits.structure import Rows
+from z2r.errors import DatasetError, Fault
+from z2r.format import rules
 from z2r.format.dataset import Dataset, load
-from z2r.format.episodes import EpisodeIndex
+from z2r.format.episodes import EpisodeIndex, EpisodeTable
 from z2r.format.schema import Schema, read_schema
+from z2r.format.store import find
+from z2r.format.tables import Episodes, Read, Stated, read_episodes, read_stated, read_stats, read_tasks
+from z2r.format.videos import Videos, read_videos
 from z2r.reading.breaks import BreakMode
+from z2r.reading.reading import Reading
 
 
-class Story(NamedTuple):
-    """What a dataset says of itself, and what is wrong with that."""
+class NoSchema(NamedTuple):
+    """A dataset of which nothing can be read, and why."""
+
+    fault: Fault
+
+
+class Stored(NamedTuple):
+    """The tables that are stored beside the frames, as far as they can be read."""
 
     schema: Schema
-    rows: Rows
-    files: Sequence[Path]  # relative to the root, in the order of their frames
-    shards: Sequence[Path]  # of the episode metadata: those that can be read
-    tasks: Ints | None
-    stats: dict[str, dict[str, Any]] | None
-    findings: list[Finding]
-    trusted: bool  # whether the metadata is taken at its word
+    stated: Read[Stated]
+    episodes: Read[Episodes]
+    tasks: Read[Ints | None]
+    stats: Read[dict[str, dict[str, Any]] | None]
+
+
+class Claims(NamedTuple):
+    """What a dataset says of itself, or what somebody believes of it who gets an assumption wrong.
+
+    Attributes
+    ----------
+    root : Path
+        The folder.
+    stored : Stored
+        All that stands in its tables.
+    schema, table, paths : Schema, EpisodeTable, sequence of Path
+        What a frame is, where episodes end, and the data files, relative to `root`, in the order of their frames.
+    videos : Read of Videos
+        The videos that are named.
+    found : Read of tuple of Path
+        The parquet files and videos that are there, named or not, relative to `root`.
+    reading : Reading or None
+        What the columns are taken to mean.
+    trusted : bool
+        Whether the table is taken at its word.
+    """
+
+    root: Path
+    stored: Stored
+    schema: Schema
+    table: EpisodeTable
+    paths: Sequence[Path]
+    videos: Read[Videos]
+    found: Read[tuple[Path, ...]]
+    reading: Reading | None
+    trusted: bool
 
     @property
     def episodes(self) -> EpisodeIndex:
         """Where episodes end, as the metadata says."""
-        return EpisodeIndex(self.rows.start, self.rows.stop, self.rows.number)
+        return EpisodeIndex(self.table.start, self.table.stop, self.table.number)
 
 
-def read_story(root: Path) -> Story:
-    """Read all that a dataset says of itself beside its frames; what cannot be read is a finding.
+def read_claims(root: Path, reading: Reading | None) -> Claims:
+    """Read all that a dataset says of itself beside its frames, as far as it can be read.
 
     Raises
     ------
@@ -43,25 +81,14 @@ def read_story(root: Path) -> Story:
         If `meta/info.json` cannot be read.
     """
     schema = read_schema(root)
-    totals, findings = structure.read_totals(root)
-    findings += structure.check_features(schema)
-    columns, shards, faults = structure.read_rows(root)
-    tasks, task_faults = structure.read_tasks(root)
-    stats, stats_faults = structure.read_stats(root)
-    findings += faults + task_faults + stats_faults
-    rows, files = structure.name_files(schema, columns)
-    if not len(rows.number):
-        return Story(schema, rows, files, shards, tasks, stats, findings, trusted=False)
-    findings += structure.check_order(files)
-    findings += structure.check_orphans(root, files)
-    findings += structure.check_totals(root, schema, totals, rows, None if tasks is None else len(tasks))
-    findings += structure.check_splits(totals, len(rows.number))
-    findings += structure.check_videos(root, schema, totals)
-    faults = list(index.check_rows(rows))
-    return Story(schema, rows, files, shards, tasks, stats, findings + faults, trusted=not faults)
+    stated, episodes = read_stated(root), read_episodes(root, schema)
+    stored = Stored(schema, stated, episodes, read_tasks(root), read_stats(root))
+    table, paths, shards, _ = episodes.value
+    videos = read_videos(root, schema, stated.value.video_path, shards)
+    return Claims(root, stored, schema, table, paths, videos, _found(root), reading, trusted=_hangs_together(table))
 
 
-def believe(root: Path, mode: BreakMode) -> Story:
+def claims_under(mode: BreakMode, root: Path, reading: Reading | None) -> Claims:
     """Return what somebody believes of a dataset who gets one assumption wrong.
 
     Raises
@@ -69,18 +96,26 @@ def believe(root: Path, mode: BreakMode) -> Story:
     DatasetError
         If the dataset is not whole.
     """
-    right = load(root)
-    told = read_story(root)
-    believed = mode.dataset(right)
-    rows, files = _rows_of(believed)
-    findings = list(structure.check_totals(root, believed.schema, structure.Totals(), rows, None))
-    findings += index.check_rows(rows)
-    findings += told.findings
-    return told._replace(schema=believed.schema, rows=rows, files=files, findings=findings, trusted=True)
+    believed = mode.dataset(load(root))
+    table, paths = _table_of(believed)
+    claims = read_claims(root, reading and mode.reading(reading))
+    return claims._replace(schema=believed.schema, table=table, paths=paths, trusted=True)
 
 
-def _rows_of(dataset: Dataset) -> tuple[Rows, list[Path]]:
+def _found(root: Path) -> Read[tuple[Path, ...]]:
+    try:
+        return Read((*find(root, "", "**/*.parquet"), *find(root, "videos", "**/*.mp4")))
+    except DatasetError as error:
+        return Read((), (error.fault.relative_to(root),))
+
+
+def _hangs_together(table: EpisodeTable) -> bool:
+    must_hold = (rules.episode_order, rules.range_length, rules.range_overlap, rules.range_gap)
+    return not any(True for rule in must_hold for _ in rule(table))
+
+
+def _table_of(dataset: Dataset) -> tuple[EpisodeTable, list[Path]]:
     episodes = dataset.episodes
-    file = np.searchsorted([file.to_index for file in dataset.files], episodes.from_index, side="right")
-    rows = Rows(episodes.numbers, episodes.from_index, episodes.to_index, episodes.lengths, file)
-    return rows, [file.path.relative_to(dataset.root) for file in dataset.files]
+    file_number = np.searchsorted([file.to_index for file in dataset.files], episodes.from_index, side="right")
+    table = EpisodeTable(episodes.numbers, episodes.from_index, episodes.to_index, episodes.lengths, file_number)
+    return table, [file.path.relative_to(dataset.root) for file in dataset.files]

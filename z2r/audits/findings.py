@@ -1,13 +1,15 @@
-"""A finding: what was found, what was expected, how to mend it, and the check that says so."""
+"""What was found, what was expected, how to mend it, and which check says so: a finding."""
 
+from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Literal
 
 import msgspec
 
-from z2r.errors import DatasetError, printable, short
+from z2r.check import Answer, Check, Part, Severity
+from z2r.errors import Fault, printable, short
 
-type Severity = Literal["error", "warning", "note"]
+AUDIT = Check("audit", "every check of the audit ran to its end", "warning")
+_REPORT = "This is a fault of z2r and not of the dataset: https://github.com/zero2robot/seeing-like-a-robot/issues"
 
 
 class Finding(msgspec.Struct, frozen=True):
@@ -16,7 +18,7 @@ class Finding(msgspec.Struct, frozen=True):
     Attributes
     ----------
     check : str
-        The name of the check, one of `z2r.audits.CHECKS`.
+        The name of the check, one of `z2r.api.CHECKS`.
     severity : str
         ``error``: a reader will fail or read something wrong. ``warning``: it looks wrong; have a look.
         ``note``: harmless, and better mended.
@@ -49,28 +51,23 @@ class Finding(msgspec.Struct, frozen=True):
         return printable(f"{where}: found {self.found}, expected {self.expected}{advice}")
 
 
-def error(check: str, file: Path | str, field: str, found: object, expected: object, mend: str = "") -> Finding:
-    """Return a finding that is an error; `file` is relative to the dataset."""
-    return _finding(check, "error", file, field, found, expected, mend)
+def finding(check: Check, answer: Answer) -> Finding:
+    """Name what a check answers."""
+    severity, fault = (check.severity, answer) if isinstance(answer, Fault) else answer
+    place, field, found, expected = (short(part) for part in (fault.path.as_posix(), *fault[1:4]))
+    return Finding(check.name, severity, place, field, found, expected, fault.mend)
 
 
-def warning(check: str, file: Path | str, field: str, found: object, expected: object, mend: str = "") -> Finding:
-    """Return a finding that is a warning; `file` is relative to the dataset."""
-    return _finding(check, "warning", file, field, found, expected, mend)
+def failed(what: str, error: Exception) -> Finding:
+    """Say that the audit itself went wrong, so that its silence is not taken for health."""
+    found = f"{type(error).__name__}: {error}"
+    return finding(AUDIT, Fault(Path(), what, found, "it to run to its end", _REPORT))
 
 
-def note(check: str, file: Path | str, field: str, found: object, expected: object, mend: str = "") -> Finding:
-    """Return a finding that is a note; `file` is relative to the dataset."""
-    return _finding(check, "note", file, field, found, expected, mend)
-
-
-def from_fault(check: str, fault: DatasetError, root: Path) -> Finding:
-    """Turn what the reader raised into a finding that is an error."""
-    return _finding(check, "error", *fault.fault.relative_to(root))
-
-
-def _finding(
-    check: str, severity: Severity, file: Path | str, field: str, found: object, expected: object, mend: str
-) -> Finding:
-    place = Path(file).as_posix()
-    return Finding(check, severity, short(place), short(field), short(found), short(expected), mend)
+def ask[T](parts: Iterable[Part[T]], subject: T) -> Iterator[Finding]:
+    """Ask all that there is to ask of one subject; a check that fails is a finding, and never the end."""
+    for part in parts:
+        try:
+            yield from [finding(part.check, answer) for answer in part.run(subject)]
+        except Exception as error:
+            yield failed(part.check.name, error)

@@ -1,93 +1,177 @@
-"""The frames of one data file, as far as they can be read."""
+"""What is read of one data file, and what is kept of it? All that the checks need, and nothing else stays in memory."""
 
-from collections.abc import Iterator
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import pyarrow as pa
 
-from z2r.arrays import Array, Columns
-from z2r.audits.findings import Finding, error, from_fault, note, warning
-from z2r.audits.index import and_more
-from z2r.errors import DatasetError
-from z2r.format.parquet import has_gaps, open_parquet, read_columns, vectors, width
-from z2r.format.schema import BOOKKEEPING, MAX_SIGNAL_SIZE, Schema, inside
+from z2r.arrays import Array, Columns, Floats, Ints
+from z2r.audits.claims import Claims
+from z2r.format.episodes import EpisodeIndex
+from z2r.format.schema import BOOKKEEPING, Schema
+from z2r.format.tables import DataColumns, count_rows
 
 
-class File(NamedTuple):
-    """One data file: the columns that can be read, and how many rows it has; None where it cannot be opened."""
+class FileClaims(NamedTuple):
+    """What the metadata says of one data file.
 
-    frames: Columns
-    n_rows: int | None
-    findings: list[Finding]
+    Attributes
+    ----------
+    path : Path
+        Relative to the dataset.
+    base : int
+        Which frame of the dataset it begins with.
+    n_claimed : int
+        How many frames its episodes have.
+    episodes : EpisodeIndex or None
+        Those that it may hold a part of, as the metadata says; None where that does not hang together.
+    """
 
-
-def read_file(root: Path, schema: Schema, path: Path) -> File:
-    """Read the numeric columns of a data file; `path` is relative to `root`."""
-    try:
-        real = inside(root, path)
-        parquet = open_parquet(real)
-        present = parquet.schema_arrow.names
-        findings = [*_check_names(schema, present, path), *_check_wide(schema, parquet.schema_arrow, path)]
-        wanted = [name for name in (*schema.signals(), *BOOKKEEPING) if name in present and name in schema.features]
-        table = read_columns(parquet, real, wanted)
-    except DatasetError as fault:
-        return File({}, None, [from_fault("data-file", fault, root)])
-    frames: Columns = {}
-    for name in wanted:
-        values, faults = _read_column(table, name, schema, real, root)
-        findings += faults
-        if values is not None:
-            frames[name] = values
-    return File(frames, len(table), findings)
+    path: Path
+    base: int
+    n_claimed: int
+    episodes: EpisodeIndex | None
 
 
-def _read_column(
-    table: pa.Table, name: str, schema: Schema, path: Path, root: Path
-) -> tuple[Array | None, list[Finding]]:
-    feature, inner = schema.features[name], path.relative_to(root)
-    try:
-        values = vectors(table, name, feature.shape, path)
-    except DatasetError as fault:
-        return None, [from_fault("finite" if has_gaps(table, name) else "column-type", fault, root)]
-    kinds = "iu" if name in BOOKKEEPING and name != "timestamp" else "biuf"
-    if values.dtype.kind not in kinds:
-        return None, [error("column-type", inner, name, f"values of type {values.dtype}", "whole numbers")]
-    findings = list(_check_dtype(feature.dtype, values, name, inner))
-    finite = np.isfinite(values)
-    if finite.all():
-        return values, findings
-    row, column = np.argwhere(~finite)[0].tolist()
-    place = f"{name}[{feature.dim_names[column]}]" if feature.dim_names else f"{name}[{column}]"
-    found = f"{values[row, column]}{and_more(~finite)}"
-    findings.append(error("finite", inner, f"{place} in row {row}", found, "a finite number"))
-    return None, findings
+@dataclass(frozen=True, eq=False)
+class FileFrames:
+    """The frames of one data file, and what the metadata says of it: what the checks of a file are asked of.
+
+    Attributes
+    ----------
+    claims : FileClaims
+        What the metadata says of it.
+    schema : Schema
+        What a frame should be.
+    tasks : ndarray or None
+        The numbers of all tasks, where they could be read.
+    read : DataColumns
+        What could be read.
+    """
+
+    claims: FileClaims
+    schema: Schema
+    tasks: Ints | None
+    read: DataColumns
+
+    @property
+    def path(self) -> Path:
+        """The file, relative to the dataset."""
+        return self.claims.path
+
+    @cached_property
+    def counts(self) -> dict[str, Ints]:
+        """The columns of the bookkeeping that hold whole numbers, and can be read."""
+        names = [name for name in BOOKKEEPING if name != "timestamp" and name in self.read.frames]
+        return {name: self.read.frames[name][:, 0].astype(np.int64) for name in names}
+
+    @property
+    def timestamp(self) -> Floats | None:
+        """Of each frame [s], where it can be read."""
+        values = self.read.frames.get("timestamp")
+        return None if values is None else values[:, 0].astype(np.float64)
+
+    @property
+    def signals(self) -> Columns:
+        """What the robot saw and did. LeRobot does not renew the statistics of the rest when it edits a dataset."""
+        return {name: values for name, values in self.read.frames.items() if name not in BOOKKEEPING}
+
+    @cached_property
+    def run_starts(self) -> Ints:
+        """The first row of each run of frames with one `episode_index`; of all frames, where there is none."""
+        number = self.counts.get("episode_index")
+        if number is None:
+            return np.zeros(1, dtype=np.int64)
+        return np.flatnonzero(np.concatenate([[True], np.diff(number) != 0]))
+
+    @property
+    def episodes(self) -> EpisodeIndex:
+        """Where episodes end: by the metadata, or by the frames' own `episode_index` where that is nothing to go by."""
+        if self.claims.episodes is not None:
+            return self.claims.episodes
+        starts, number = self.run_starts, self.counts.get("episode_index")
+        stops = np.append(starts[1:], self.read.n_rows or 0)
+        numbers = np.arange(len(starts)) if number is None else number[starts]
+        return EpisodeIndex(self.claims.base + starts, self.claims.base + stops, numbers)
 
 
-def _check_names(schema: Schema, present: list[str], path: Path) -> Iterator[Finding]:
-    """Videos are files of their own; every other feature is a column."""
-    stored = [name for name, feature in schema.features.items() if feature.dtype != "video"]
-    for name in [name for name in stored if name not in present]:
-        yield error("columns", path, name, "no such column", "one for each feature in meta/info.json")
-    for name in [name for name in present if name not in schema.features]:
-        mend = "LeRobot refuses such a file: name it in the features, or drop it"
-        yield error("columns", path, name, "a column", "only features that meta/info.json names", mend)
+class RunStats(NamedTuple):
+    """One feature in each run of frames: float64[n_runs] and float64[n_runs, size].
+
+    `n` is the number of frames, `squares` the sum of the squared distances from the mean, `step` the largest step from
+    one frame to the next, `spike` the largest step that the next one takes back.
+    """
+
+    n: Floats
+    low: Floats
+    high: Floats
+    mean: Floats
+    squares: Floats
+    step: Floats
+    spike: Floats
 
 
-def _check_wide(schema: Schema, stored: pa.Schema, path: Path) -> Iterator[Finding]:
-    """Hold the width of what is too wide to be read against the schema."""
-    for name, feature in schema.features.items():
-        if feature.size > MAX_SIGNAL_SIZE and feature.is_numeric and name in stored.names:
-            found = width(stored.field(name).type)
-            if found not in (None, feature.size):
-                expected = f"{feature.size:,}, as its shape in meta/info.json says"
-                yield error("column-type", path, name, f"{found:,} numbers in each row", expected)
+def run_stats(values: Array, starts: Ints) -> RunStats:
+    """Sum one feature up for each run; a run begins at each of `starts` and ends where the next begins."""
+    count = np.diff(np.append(starts, len(values)))
+    # One column after another: numpy reduces adjacent numbers many times faster, and copies stay small.
+    columns = [_column_stats(column.astype(np.float64), starts, count) for column in values.T]
+    n = count.astype(np.float64)
+    stacked = {
+        name: np.array([column[name] for column in columns]).reshape(-1, len(starts)).T
+        for name in RunStats._fields
+        if name != "n"
+    }
+    return RunStats(n=n, **stacked)
 
 
-def _check_dtype(dtype: str, values: Array, name: str, path: Path) -> Iterator[Finding]:
-    stored = values.dtype.name
-    if dtype == stored or (dtype == "bool" and stored == "uint8"):  # as booleans are read
-        return
-    tell = note if values.dtype.kind == "f" and dtype.startswith("float") else warning
-    yield tell("column-type", path, name, f"values of type {stored}", f"{dtype}, as meta/info.json says")
+def joined(parts: Sequence[RunStats]) -> RunStats:
+    """Put the runs of all files after each other."""
+    return RunStats(**{name: np.concatenate([getattr(part, name) for part in parts]) for name in RunStats._fields})
+
+
+def file_claims(claims: Claims, *, under_mode: bool) -> list[FileClaims]:
+    """Say of each data file what the metadata says of it."""
+    bases = _first_frames(claims, under_mode=under_mode)
+    ends = [*bases[1:], np.iinfo(np.int64).max]
+    return [_claims_of(claims, number, base, end) for number, (base, end) in enumerate(zip(bases, ends, strict=True))]
+
+
+def _claims_of(claims: Claims, file_number: int, base: int, next_base: int) -> FileClaims:
+    """Keep the episodes that the file is said to hold, and those whose frames it would hold: no more go with it."""
+    table, own = claims.table, claims.table.file_number == file_number
+    n_claimed = int(table.length[own].sum())
+    there = (table.start < max(next_base, base + n_claimed)) & (table.stop > base)
+    episodes = claims.episodes.only(own | there) if claims.trusted else None
+    return FileClaims(claims.paths[file_number], base, n_claimed, episodes)
+
+
+def _first_frames(claims: Claims, *, under_mode: bool) -> list[int]:
+    """Say which frame each file begins with: by the metadata, or by the rows where that does not hang together."""
+    table = claims.table
+    if claims.trusted and not under_mode:
+        return [int(table.start[table.file_number == number].min()) for number in range(len(claims.paths))]
+    bases = [0]
+    for number, path in enumerate(claims.paths):
+        n_rows = count_rows(claims.root, path)
+        bases.append(bases[-1] + (int(table.length[table.file_number == number].sum()) if n_rows is None else n_rows))
+    return bases[:-1]
+
+
+def _column_stats(values: Floats, starts: Ints, count: Ints) -> dict[str, Floats]:
+    mean = np.add.reduceat(values, starts) / count
+    steps = np.diff(values, prepend=values[:1])
+    steps[starts] = 0
+    back = np.append(-steps[1:], 0.0)
+    spikes = np.maximum(np.minimum(steps, back), np.minimum(-steps, -back))  # both the same way, or below 0
+    return {
+        "low": np.minimum.reduceat(values, starts),
+        "high": np.maximum.reduceat(values, starts),
+        "mean": mean,
+        "squares": np.add.reduceat(np.square(values - np.repeat(mean, count)), starts),
+        "step": np.maximum.reduceat(np.abs(steps), starts),
+        "spike": np.maximum.reduceat(spikes, starts),
+    }

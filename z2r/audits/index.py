@@ -1,15 +1,19 @@
-"""Is the index one story? It is told three times: by the episode metadata, by columns of the frames, and by totals."""
+"""Does the index agree with itself? It is stored three times: in the episode metadata, in the frames, and in totals."""
 
-from collections.abc import Iterator, Sequence
-from pathlib import Path
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
-from z2r.arrays import Bools, Floats, Ints
-from z2r.audits.findings import Finding, error
-from z2r.audits.structure import Rows
+from z2r.arrays import Bools, Ints
+from z2r.audits.claims import Claims
+from z2r.audits.frames import FileFrames
+from z2r.audits.runs import Runs
+from z2r.check import Answer, Check
+from z2r.errors import Fault
+from z2r.format import rules
 from z2r.format.episodes import EPISODES_DIR
+from z2r.format.rules import and_more
 
 # What LeRobot 0.6.1 allows between a timestamp and frame_index / fps [s] (`tolerance_s` of LeRobotDataset).
 TIME_TOLERANCE = 1e-4
@@ -17,185 +21,227 @@ TIME_TOLERANCE = 1e-4
 _FLOAT32_STEP = 2.0**-23  # of a number, to the next one
 
 
-class Runs(NamedTuple):
-    """Frames of one data file that follow each other and have one `episode_index`: a row for each such run.
-
-    All int64[n_runs]; `start` and `stop` count the frames of the whole dataset.
-    """
-
-    number: Ints
-    start: Ints
-    stop: Ints
-    file: Ints
+@Check("episode-order", "episodes are numbered 0, 1, 2 ... in order", "error").of(Claims)
+def episode_order(claims: Claims) -> Iterator[Answer]:
+    """Do the numbers of the episodes count on?"""
+    yield from rules.episode_order(claims.table)
 
 
-def check_rows(rows: Rows) -> Iterator[Finding]:
-    """Do the ranges of the episode metadata follow each other?"""
-    ends_before = np.concatenate([[0], rows.stop[:-1]])
-    empty = rows.stop <= rows.start
-    begins, ends = "dataset_from_index", "dataset_to_index"
-    follows = ", where the episode before ends"
-    yield from _wrong_row("episode-order", "episode_index", rows, rows.number, np.arange(len(rows.number)))
-    yield from _wrong_row("range-length", "length", rows, rows.length, rows.stop - rows.start)
-    yield from _wrong_row("range-length", ends, rows, rows.stop, rows.start, empty, before="more than ")
-    overlap, gap = (rows.start < ends_before) & ~empty, (rows.start > ends_before) & ~empty
-    yield from _wrong_row("range-overlap", begins, rows, rows.start, ends_before, overlap, after=follows)
-    yield from _wrong_row("range-gap", begins, rows, rows.start, ends_before, gap, after=follows)
+@Check("range-length", "every episode has frames, and as many as its range", "error").of(Claims)
+def range_length(claims: Claims) -> Iterator[Answer]:
+    """Is every range as long as the episode?"""
+    yield from rules.range_length(claims.table)
 
 
-def _wrong_row(
-    check: str,
-    field: str,
-    rows: Rows,
-    told: Ints,
-    expected: Ints,
-    wrong: Bools | None = None,
-    before: str = "",
-    after: str = "",
-) -> Iterator[Finding]:
-    """Name the first wrong row of the metadata; wrong is, unless given, what is not as expected."""
-    wrong = told != expected if wrong is None else wrong
-    if wrong.any():
-        row = int(wrong.argmax())
-        place = f"{field} in row {row}" if field == "episode_index" else f"{field} of episode {rows.number[row]}"
-        mend = "The episode metadata was written or edited wrong: rebuild it from the columns of the frames"
-        found = f"{told[row]}{and_more(wrong)}"
-        yield error(check, EPISODES_DIR, place, found, f"{before}{expected[row]}{after}", mend)
+@Check("range-overlap", "no frame belongs to two episodes", "error").of(Claims)
+def range_overlap(claims: Claims) -> Iterator[Answer]:
+    """Does an episode begin before the one before ends?"""
+    yield from rules.range_overlap(claims.table)
 
 
-def check_runs(rows: Rows, runs: Runs, files: Sequence[Path], read: Sequence[int]) -> Iterator[Finding]:
-    """Does the episode metadata say of each episode what the frames say? Of `files`, those at `read` could be read."""
-    order = np.argsort(rows.number, kind="stable")
-    row = order[np.minimum(np.searchsorted(rows.number[order], runs.number), len(order) - 1)]
-    unknown = rows.number[row] != runs.number
-    again = np.ones(len(runs.number), dtype=bool)
-    again[np.unique(runs.number, return_index=True)[1]] = False
-    crashed = "If the recording crashed, `z2r inspect --salvage` reads the episodes that are in both"
-    yield from _wrong_run(runs, files, unknown, "", "an episode that is in meta/episodes", crashed)
-    yield from _wrong_run(runs, files, again, " again", "the frames of an episode side by side", "")
-    once = ~unknown & ~np.isin(runs.number, runs.number[again])
-    yield from _pointers(rows, runs, row, ~unknown & ~again, files)
-    yield from _ranges(runs, files, "dataset_from_index", rows.start[row], runs.start, once)
-    yield from _ranges(runs, files, "dataset_to_index", rows.stop[row], runs.stop, once)
-    missing = ~np.isin(rows.number, runs.number) & np.isin(rows.file, read)
-    if missing.any():
-        episode = int(missing.argmax())
-        found, expected = f"no frame of episode {rows.number[episode]}{and_more(missing)}", rows.length[episode]
-        yield error("episode-column", files[rows.file[episode]], "episode_index", found, f"{expected} frames")
+@Check("range-gap", "every frame belongs to an episode", "error").of(Claims)
+def range_gap(claims: Claims) -> Iterator[Answer]:
+    """Does an episode begin after the one before ends?"""
+    yield from rules.range_gap(claims.table)
 
 
-def _wrong_run(
-    runs: Runs, files: Sequence[Path], wrong: Bools, what: str, expected: str, mend: str
-) -> Iterator[Finding]:
+FILE_POINTER = Check("file-pointer", "every episode is in the data file that the index names", "error")
+
+
+@FILE_POINTER.of(Runs)
+def pointers_lead_to_the_frames(runs: Runs) -> Iterator[Answer]:
+    """Are the frames of each episode in the file that the metadata names?"""
+    table, paths, places = runs.claims.table, runs.claims.paths, _places(runs)
+    wrong = places.known & ~places.again & (table.file_number[places.row] != runs.file_number)
     if wrong.any():
         run = int(wrong.argmax())
-        found = f"{runs.number[run]}{what}{and_more(wrong)}"
-        place = f"episode_index of frame {runs.start[run]}"
-        yield error("episode-column", files[runs.file[run]], place, found, expected, mend)
+        found = f"{paths[table.file_number[places.row][run]].as_posix()}{and_more(wrong)}"
+        expected = f"{paths[runs.file_number[run]].as_posix()}, which holds its frames"
+        mend = "Whoever looks where the index points finds nothing, or another episode: correct the index"
+        yield Fault(EPISODES_DIR, f"data/file_index of episode {runs.number[run]}", found, expected, mend)
 
 
-def _ranges(runs: Runs, files: Sequence[Path], field: str, told: Ints, seen: Ints, once: Bools) -> Iterator[Finding]:
-    wrong = once & (told != seen)
-    if wrong.any():
-        run = int(wrong.argmax())
-        expected = f"{seen[run]}, as episode_index in {files[runs.file[run]].as_posix()} says"
-        found = f"{told[run]}{and_more(wrong)}"
-        yield error("episode-column", EPISODES_DIR, f"{field} of episode {runs.number[run]}", found, expected)
+@FILE_POINTER.of(Claims)
+def episodes_of_a_file_are_side_by_side(claims: Claims) -> Iterator[Answer]:
+    """Does the index name each data file once? The reader refuses what goes back and forth."""
+    yield from rules.side_by_side(claims.table, claims.paths)
 
 
-def _pointers(rows: Rows, runs: Runs, row: Ints, known: Bools, files: Sequence[Path]) -> Iterator[Finding]:
-    wrong = known & (rows.file[row] != runs.file)
-    if wrong.any():
-        run = int(wrong.argmax())
-        yield error(
-            "file-pointer",
-            EPISODES_DIR,
-            f"data/file_index of episode {runs.number[run]}",
-            f"{files[rows.file[row][run]].as_posix()}{and_more(wrong)}",
-            f"{files[runs.file[run]].as_posix()}, which holds its frames",
-            "Whoever looks where the index points finds nothing, or another episode: correct the index",
-        )
+@Check("file-rows", "every data file has as many rows as its episodes have frames", "error").of(FileFrames)
+def file_rows(frames: FileFrames) -> Iterator[Answer]:
+    """Has the file as many rows as its episodes have frames?"""
+    if frames.read.n_rows is not None:
+        for fault in rules.file_rows(frames.path, frames.read.n_rows, frames.claims.n_claimed):
+            yield fault._replace(mend="If it was cut off, `z2r inspect --salvage` reads the whole episodes")
 
 
-def check_file_length(rows: Rows, file: int, n_rows: int, path: Path) -> Iterator[Finding]:
-    """Has a data file as many rows as the episodes that are in it have frames?"""
-    claimed = int(rows.length[rows.file == file].sum())
-    if claimed != n_rows:
-        cut_off = "If it was cut off, `z2r inspect --salvage` reads the whole episodes"
-        yield error("file-rows", path, "rows", n_rows, f"{claimed}, the frames of its episodes", cut_off)
-
-
-def check_counting(index: Ints, base: int, path: Path) -> Iterator[Finding]:
+@Check("index-column", "`index` counts all frames without a break", "error").of(FileFrames)
+def index_column(frames: FileFrames) -> Iterator[Answer]:
     """Does `index` count on over all files?"""
-    expected = base + np.arange(len(index))
+    index = frames.counts.get("index")
+    if index is None:
+        return
+    expected = frames.claims.base + np.arange(len(index))
     wrong = index != expected
     if wrong.any():
         row = int(wrong.argmax())
-        yield error("index-column", path, f"index in row {row}", f"{index[row]}{and_more(wrong)}", expected[row])
+        yield Fault(frames.path, f"index in row {row}", f"{index[row]}{and_more(wrong)}", expected[row])
 
 
-def check_frame_index(frame_index: Ints, number: Ints | None, begins: Bools | None, path: Path) -> Iterator[Finding]:
-    """Does `frame_index` start at 0 and count on, and start again where `episode_index` changes?
+FRAME_COLUMN = Check("frame-column", "`frame_index` starts at 0 in every episode and counts on", "error")
 
-    Where the two disagree, `begins` has the casting vote: whether an episode begins in a row by the metadata.
-    """
-    starts = frame_index == 0
-    wrong = ~starts
-    wrong[1:] &= np.diff(frame_index) != 1
+
+@FRAME_COLUMN.of(FileFrames)
+def frame_index_counts(frames: FileFrames) -> Iterator[Answer]:
+    """Does `frame_index` start at 0 and count on?"""
+    frame_index = frames.counts.get("frame_index")
+    if frame_index is None:
+        return
+    wrong = _miscounted(frame_index)
     if wrong.any():
         row = int(wrong.argmax())
         expected = f"{frame_index[row - 1] + 1}, or 0 for a new episode" if row else "0, as an episode begins"
-        yield error("frame-column", path, f"frame_index in row {row}", f"{frame_index[row]}{and_more(wrong)}", expected)
-    if number is None:
-        return
-    changes = np.concatenate([[True], np.diff(number) != 0])
-    differs = (changes != starts) & ~wrong
-    if differs.any():
-        row = int(differs.argmax())
-        if begins is not None and begins[row] == changes[row]:
-            found, expected = f"{frame_index[row]}{and_more(differs)}", "0 where an episode begins, and only there"
-            yield error("frame-column", path, f"frame_index in row {row}", found, expected)
-            return
-        found = ("a new episode" if changes[row] else f"episode {number[row]} still") + and_more(differs)
-        expected = f"a new episode where frame_index is 0, and it is {frame_index[row]} here"
-        yield error("episode-column", path, f"episode_index in row {row}", found, expected)
+        yield Fault(frames.path, f"frame_index in row {row}", f"{frame_index[row]}{and_more(wrong)}", expected)
 
 
-def check_timestamps(timestamp: Floats, frame_index: Ints, fps: float, path: Path) -> Iterator[Finding]:
+@FRAME_COLUMN.of(FileFrames)
+def frame_index_starts_where_an_episode_begins(frames: FileFrames) -> Iterator[Answer]:
+    """Is `frame_index` 0 where the metadata and `episode_index` both let an episode begin?"""
+    seam = _seam(frames)
+    if seam and seam.frame_index_is_wrong:
+        found = f"{frames.counts['frame_index'][seam.row]}{and_more(seam.differs)}"
+        expected = "0 where an episode begins, and only there"
+        yield Fault(frames.path, f"frame_index in row {seam.row}", found, expected)
+
+
+EPISODE_COLUMN = Check("episode-column", "`episode_index` changes where the index says that an episode ends", "error")
+
+
+@EPISODE_COLUMN.of(FileFrames)
+def episode_index_changes_where_frame_index_starts(frames: FileFrames) -> Iterator[Answer]:
+    """Does `episode_index` change where `frame_index` starts again, and only there?"""
+    seam = _seam(frames)
+    if seam and not seam.frame_index_is_wrong:
+        number, frame_index = frames.counts["episode_index"], frames.counts["frame_index"]
+        found = "a new episode" if seam.changes else f"episode {number[seam.row]} still"
+        expected = f"a new episode where frame_index is 0, and it is {frame_index[seam.row]} here"
+        yield Fault(frames.path, f"episode_index in row {seam.row}", found + and_more(seam.differs), expected)
+
+
+@EPISODE_COLUMN.of(Runs)
+def the_frames_agree_with_the_metadata(runs: Runs) -> Iterator[Answer]:
+    """Does the episode metadata say of each episode what the frames say?"""
+    places = _places(runs)
+    crashed = "If the recording crashed, `z2r inspect --salvage` reads the episodes that are in both"
+    yield from _wrong_run(runs, ~places.known, "", "an episode that is in meta/episodes", crashed)
+    yield from _wrong_run(runs, places.again, " again", "the frames of an episode side by side", "")
+    once = places.known & ~np.isin(runs.number, runs.number[places.again])
+    table = runs.claims.table
+    yield from _range_faults(runs, "dataset_from_index", table.start[places.row], runs.start, once)
+    yield from _range_faults(runs, "dataset_to_index", table.stop[places.row], runs.stop, once)
+    missing = ~np.isin(table.number, runs.number) & np.isin(table.file_number, runs.read)
+    if missing.any():
+        episode = int(missing.argmax())
+        path, found = runs.claims.paths[table.file_number[episode]], f"no frame of episode {table.number[episode]}"
+        yield Fault(path, "episode_index", found + and_more(missing), f"{table.length[episode]} frames")
+
+
+@Check("timestamp", "`timestamp` is frame_index / fps", "error").of(FileFrames)
+def timestamp(frames: FileFrames) -> Iterator[Answer]:
     """Is every timestamp frame_index / fps?"""
+    stored, frame_index, fps = frames.timestamp, frames.counts.get("frame_index"), frames.schema.fps
+    if stored is None or frame_index is None:
+        return
     expected = frame_index / fps
     # A timestamp is stored in float32, whose steps grow with the number.
-    wrong = ~(np.abs(timestamp - expected) <= TIME_TOLERANCE + _FLOAT32_STEP * np.abs(expected))
+    wrong = ~(np.abs(stored - expected) <= TIME_TOLERANCE + _FLOAT32_STEP * np.abs(expected))
     if not wrong.any():
         return
     row = int(wrong.argmax())
-    steps = np.diff(timestamp)[np.diff(frame_index) == 1]
+    steps = np.diff(stored)[np.diff(frame_index) == 1]
     step = np.median(steps) if len(steps) else 0.0
     off_everywhere = step > 1e-9 and abs(step * fps - 1) > 0.01
-    found = f"{timestamp[row]:g} s{and_more(wrong)}"
+    found = f"{stored[row]:g} s{and_more(wrong)}"
     wanted = f"{expected[row]:g} s, which is frame {frame_index[row]} at {fps:g} fps"
     mend = f"Its frames are {step:.3g} s apart: if that is right, fps is {1 / step:.3g}" if off_everywhere else ""
-    yield error("timestamp", path, f"timestamp in row {row}", found, wanted, mend)
-    backwards = np.concatenate([[False], (np.diff(timestamp) <= 0) & (np.diff(frame_index) > 0)])
+    yield Fault(frames.path, f"timestamp in row {row}", found, wanted, mend)
+    backwards = np.concatenate([[False], (np.diff(stored) <= 0) & (np.diff(frame_index) > 0)])
     if backwards.any():
         row = int(backwards.argmax())
-        found = f"{timestamp[row]:g} s after {timestamp[row - 1]:g} s{and_more(backwards)}"
-        yield error("timestamp", path, f"timestamp in row {row}", found, "time that runs forwards inside an episode")
+        found = f"{stored[row]:g} s after {stored[row - 1]:g} s{and_more(backwards)}"
+        yield Fault(frames.path, f"timestamp in row {row}", found, "time that runs forwards inside an episode")
 
 
-def check_task_index(task_index: Ints, tasks: Ints | None, path: Path) -> Iterator[Finding]:
+@Check("task-index", "every `task_index` is a task", "error").of(FileFrames)
+def task_index(frames: FileFrames) -> Iterator[Answer]:
     """Is every task of a frame a task of the dataset?"""
-    if tasks is None:
+    task, tasks = frames.counts.get("task_index"), frames.tasks
+    if task is None or tasks is None:
         return
-    wrong = ~np.isin(task_index, tasks)
+    wrong = ~np.isin(task, tasks)
     if wrong.any():
         row = int(wrong.argmax())
-        found = f"{task_index[row]}{and_more(wrong)}"
-        expected = f"one of the {len(tasks)} in meta/tasks.parquet"
-        yield error("task-index", path, f"task_index in row {row}", found, expected)
+        found, expected = f"{task[row]}{and_more(wrong)}", f"one of the {len(tasks)} in meta/tasks.parquet"
+        yield Fault(frames.path, f"task_index in row {row}", found, expected)
 
 
-def and_more(wrong: Bools) -> str:
-    """Say how many more there are beside the first, if any."""
-    more = int(wrong.sum()) - 1
-    return f" (and {more:,} more like it)" if more else ""
+class _Seam(NamedTuple):
+    """Where `frame_index` and `episode_index` first disagree about an episode that begins."""
+
+    row: int
+    differs: Bools
+    changes: bool
+    frame_index_is_wrong: bool
+
+
+def _miscounted(frame_index: Ints) -> Bools:
+    wrong: Bools = frame_index != 0
+    wrong[1:] &= np.diff(frame_index) != 1
+    return wrong
+
+
+def _seam(frames: FileFrames) -> _Seam | None:
+    """Where the two disagree, the metadata has the casting vote, if it hangs together."""
+    frame_index, number = frames.counts.get("frame_index"), frames.counts.get("episode_index")
+    if frame_index is None or number is None:
+        return None
+    changes = np.concatenate([[True], np.diff(number) != 0])
+    differs = (changes != (frame_index == 0)) & ~_miscounted(frame_index)
+    if not differs.any():
+        return None
+    row, claimed = int(differs.argmax()), frames.claims.episodes
+    begins = None if claimed is None else bool(np.isin(frames.claims.base + row, claimed.from_index))
+    return _Seam(row, differs, bool(changes[row]), begins is not None and begins == changes[row])
+
+
+class _Places(NamedTuple):
+    """Of each run of frames: the row of its episode, whether there is one, and whether an earlier run has it too."""
+
+    row: Ints
+    known: Bools
+    again: Bools
+
+
+def _places(runs: Runs) -> _Places:
+    table = runs.claims.table
+    order = np.argsort(table.number, kind="stable")
+    row = order[np.minimum(np.searchsorted(table.number[order], runs.number), len(order) - 1)]
+    again = np.ones(len(runs.number), dtype=bool)
+    again[np.unique(runs.number, return_index=True)[1]] = False
+    return _Places(row, table.number[row] == runs.number, again)
+
+
+def _wrong_run(runs: Runs, wrong: Bools, what: str, expected: str, mend: str) -> Iterator[Answer]:
+    if wrong.any():
+        run = int(wrong.argmax())
+        found, place = f"{runs.number[run]}{what}{and_more(wrong)}", f"episode_index of frame {runs.start[run]}"
+        yield Fault(runs.claims.paths[runs.file_number[run]], place, found, expected, mend)
+
+
+def _range_faults(runs: Runs, field: str, claimed: Ints, seen: Ints, once: Bools) -> Iterator[Answer]:
+    wrong = once & (claimed != seen)
+    if wrong.any():
+        run = int(wrong.argmax())
+        expected = f"{seen[run]}, as episode_index in {runs.claims.paths[runs.file_number[run]].as_posix()} says"
+        place = f"{field} of episode {runs.number[run]}"
+        yield Fault(EPISODES_DIR, place, f"{claimed[run]}{and_more(wrong)}", expected)

@@ -1,70 +1,150 @@
 """Are the values what a sensor gives? Summed up for each run of frames, so that no file stays in memory."""
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-import pyarrow as pa
 
-from z2r.arrays import Array, Columns, Floats, Ints
-from z2r.audits.findings import Finding, error, from_fault, warning
-from z2r.audits.index import and_more
-from z2r.audits.structure import STATS_PATH
-from z2r.errors import DatasetError
-from z2r.format.parquet import integers, open_parquet, read_columns, vectors
-from z2r.format.schema import ACTION, STATE, Feature, Schema
+from z2r.arrays import Bools, Columns, Floats, Ints
+from z2r.audits.frames import FileFrames, RunStats
+from z2r.audits.runs import Runs
+from z2r.check import Answer, Check
+from z2r.errors import Fault
+from z2r.format.rules import and_more
+from z2r.format.schema import ACTION, STATE, Feature
+from z2r.format.tables import STATS_PATH, read_shard_statistics
+from z2r.reading.scene import FROZEN
 
 UNIT_TOLERANCE = 0.01  # of sin² + cos²: rounding to three digits stays within
 JUMP = 10  # times the step that is usual: no sensor of a moving robot was seen to do that by itself
 
-_KINDS = ("count", "min", "max", "mean", "std")  # of statistics
-_FEW = 5  # episodes: from so few nothing can be said about what is usual
+_DATA = Path("data")  # what is wrong with an episode is wrong in some data file
+_MIN_EPISODES = 5  # from fewer nothing can be said about what is usual
 _LONG = 20  # frames: a sensor may well stand still for less
-_MOST = 0.9  # of the episodes
+_NEARLY_ALL = 0.9  # of the episodes
 _ROUGH = 5e-6  # of a variance, as a share of the largest square
 
 
-class RunStats(NamedTuple):
-    """One feature in each run of frames: float64[n_runs] and float64[n_runs, size].
+FINITE = Check("finite", "there is no NaN, no infinity, and no gap", "error")
 
-    `n` is the number of frames, `squares` the sum of the squared distances from the mean, `step` the largest step from
-    one frame to the next, `spike` the largest step that the next one takes back.
+
+@FINITE.of(FileFrames)
+def finite(frames: FileFrames) -> Iterator[Answer]:
+    """Is every value a number?"""
+    yield from frames.read.gaps
+
+
+@Check("unit-circle", "sin² + cos² is 1 for every angle that is stored as (sin, cos)", "error").of(FileFrames)
+def unit_circle(frames: FileFrames) -> Iterator[Answer]:
+    """Is sin² + cos² = 1 for every angle that is stored as (sin, cos)?"""
+    for name, values in frames.read.frames.items():
+        feature = frames.schema.features[name]
+        for sine, cosine in unit_pairs(feature):
+            squares = np.square(values[:, [sine, cosine]].astype(np.float64)).sum(axis=1)
+            wrong = np.abs(squares - 1) > UNIT_TOLERANCE
+            if wrong.any():
+                row = int(wrong.argmax())
+                place = f"{name}: {feature.dim_names[sine]}² + {feature.dim_names[cosine]}² in row {row}"
+                yield Fault(frames.path, place, f"{squares[row]:.3f}{and_more(wrong)}", "1: a sine and its cosine")
+
+
+@Check("jump", "no value leaps away and back, many times further than it moves elsewhere", "warning").of(Runs)
+def jump(runs: Runs) -> Iterator[Answer]:
+    """Does a value leap away and back?"""
+    for name, stats in runs.stats.items():
+        yield from jumps(name, runs.claims.schema.features[name], stats, runs.number)
+
+
+@FROZEN.of(Runs)
+def no_sensor_is_frozen(runs: Runs) -> Iterator[Answer]:
+    """Does a sensor stand still for a long episode while it moves in nearly all others?
+
+    Not where the action of the same name stands still too: then nobody asked it to move.
     """
-
-    n: Floats
-    low: Floats
-    high: Floats
-    mean: Floats
-    squares: Floats
-    step: Floats
-    spike: Floats
-
-
-def sum_up(values: Array, starts: Ints) -> RunStats:
-    """Sum one feature up for each run; a run begins at each of `starts` and ends where the next begins."""
-    count = np.diff(np.append(starts, len(values)))
-    # One column after another: numpy reduces adjacent numbers many times faster, and copies stay small.
-    columns = [_sum_up_column(column.astype(np.float64), starts, count) for column in values.T]
-    sums = np.array(columns).reshape(values.shape[1], 6, len(starts))
-    return RunStats(count.astype(np.float64), *(sums[:, place].T for place in range(6)))
-
-
-def _sum_up_column(values: Floats, starts: Ints, count: Ints) -> tuple[Floats, ...]:
-    mean = np.add.reduceat(values, starts) / count
-    squares = np.add.reduceat(np.square(values - np.repeat(mean, count)), starts)
-    steps = np.diff(values, prepend=values[:1])
-    steps[starts] = 0
-    back = np.append(-steps[1:], 0.0)
-    spikes = np.maximum(np.minimum(steps, back), np.minimum(-steps, -back))  # both the same way, or below 0
-    low, high = np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)
-    return low, high, mean, squares, np.maximum.reduceat(np.abs(steps), starts), np.maximum.reduceat(spikes, starts)
+    if STATE not in runs.stats:
+        return
+    feature, stats = runs.claims.schema.features[STATE], runs.stats[STATE]
+    long = stats.n >= _LONG
+    if long.sum() < _MIN_EPISODES:
+        return
+    wrong = _still(stats, long)
+    asked = runs.claims.schema.features[ACTION].dim_names if ACTION in runs.stats else ()
+    for column, name in enumerate(feature.dim_names):
+        if name in asked:
+            action = runs.stats[ACTION]
+            wrong[:, column] &= (action.high > action.low)[:, asked.index(name)]
+    for column in np.flatnonzero(wrong.any(axis=0)).tolist():
+        run = int(wrong[:, column].argmax())
+        found = f"{stats.low[run, column]:.4g} in all {stats.n[run]:.0f} frames{and_more(wrong[:, column])}"
+        place = f"{STATE}{_dim(feature, column)} in episode {runs.number[run]}"
+        yield Fault(_DATA, place, found, "a value that moves, as in the other episodes")
 
 
-def joined(parts: list[RunStats]) -> RunStats:
-    """Put the runs of all files after each other."""
-    return RunStats(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+@FROZEN.of(Runs)
+def no_sensor_is_dead(runs: Runs) -> Iterator[Answer]:
+    """Does an observation stand still in all frames although the action of the same name moves it?"""
+    if STATE not in runs.stats or ACTION not in runs.stats:
+        return
+    features = runs.claims.schema.features
+    state, action = features[STATE].dim_names, features[ACTION].dim_names
+    for name in (name for name in action if name in state):
+        asked = _span(runs.stats[ACTION], action.index(name))
+        seen = _span(runs.stats[STATE], state.index(name))
+        if asked[0] < asked[1] and seen[0] == seen[1]:
+            expected = f"one that moves: the action {name} goes from {asked[0]:.3g} to {asked[1]:.3g}"
+            yield Fault(_DATA, f"{STATE}[{name}]", f"{seen[0]:.4g} in all frames", expected)
+
+
+@Check("twin", "no demonstration is there twice", "warning").of(Runs)
+def twin(runs: Runs) -> Iterator[Answer]:
+    """Is the same demonstration there twice? Every sum of every feature is the same then, to the last bit."""
+    if not runs.stats:
+        return
+    columns = [column.reshape(len(runs.number), -1) for stats in runs.stats.values() for column in stats]
+    rows = np.concatenate(columns, axis=1)
+    first: dict[bytes, int] = {}
+    long = np.flatnonzero(next(iter(runs.stats.values())).n >= _LONG)
+    twins = [(run, same) for run in long.tolist() if (same := first.setdefault(rows[run].tobytes(), run)) != run]
+    if twins:
+        run, same = twins[0]
+        found = f"episode {runs.number[same]} again, frame for frame{and_more(np.ones(len(twins), dtype=bool))}"
+        mend = "It counts twice in training, and may stand on both sides of a split"
+        yield Fault(_DATA, f"episode {runs.number[run]}", found, "every demonstration once", mend)
+
+
+STATS = Check("stats", "the stored statistics are those of the data", "warning")
+
+
+@STATS.of(Runs)
+def stats_of_the_dataset(runs: Runs) -> Iterator[Answer]:
+    """Are the statistics in meta/stats.json those of the data?"""
+    stored = runs.claims.stored.stats.value
+    if stored is None or len(runs.read) < len(runs.claims.paths):
+        return
+    for name, stats in _flat(runs).items():
+        if not stored.get(name):
+            yield Fault(STATS_PATH, name, "no statistics", "some for each numeric feature")
+            continue
+        mend = "A policy scales its input with them: recompute the statistics"
+        for what, said, computed in _differences(stored[name], _pooled(stats), runs.claims.schema.features[name]):
+            yield Fault(STATS_PATH, f"{name}.{what}", said, f"{computed}, recomputed", mend)
+
+
+@STATS.of(Runs)
+def stats_of_each_episode(runs: Runs) -> Iterator[Answer]:
+    """Are the statistics of each episode, which are stored with the metadata, those of its frames?"""
+    run_of_episode = {number: run for run, number in enumerate(runs.number.tolist())}
+    flat, features = _flat(runs), runs.claims.schema.features
+    for shard in runs.claims.stored.episodes.value.shards:
+        wanted = {name: features[name] for name in flat}
+        (numbers, stored), faults = read_shard_statistics(runs.claims.root, shard, wanted)
+        run = np.array([run_of_episode.get(number, -1) for number in numbers.tolist()], dtype=np.int64)
+        for name, columns in stored.items():
+            yield from _episode_differences(shard, name, features[name], columns, flat[name], run)
+        for fault in faults:
+            yield "error", fault
 
 
 def unit_pairs(feature: Feature) -> list[tuple[int, int]]:
@@ -78,76 +158,13 @@ def unit_pairs(feature: Feature) -> list[tuple[int, int]]:
     return [(i, names.index(other)) for i, other in enumerate(partners) if other != names[i] and other in names]
 
 
-def check_unit_circle(frames: Columns, schema: Schema, path: Path) -> Iterator[Finding]:
-    """Is sin² + cos² = 1 for every angle that is stored as (sin, cos)?"""
-    for name, values in frames.items():
-        feature = schema.features[name]
-        for sine, cosine in unit_pairs(feature):
-            squares = np.square(values[:, [sine, cosine]].astype(np.float64)).sum(axis=1)
-            wrong = np.abs(squares - 1) > UNIT_TOLERANCE
-            if wrong.any():
-                row = int(wrong.argmax())
-                pair = f"{feature.dim_names[sine]}² + {feature.dim_names[cosine]}²"
-                found = f"{squares[row]:.3f}{and_more(wrong)}"
-                yield error("unit-circle", path, f"{name}: {pair} in row {row}", found, "1: a sine and its cosine")
-
-
-def check_stats(
-    stored: Mapping[str, Mapping[str, Any]], runs: Mapping[str, RunStats], schema: Schema
-) -> Iterator[Finding]:
-    """Are the stored statistics those of the data?"""
-    for name, stats in runs.items():
-        if not stored.get(name):
-            yield warning("stats", STATS_PATH, name, "no statistics", "some for each numeric feature")
-            continue
-        for what, told, computed in _differences(stored[name], _pooled(stats), schema.features[name]):
-            mend = "A policy scales its input with them: recompute the statistics"
-            yield warning("stats", STATS_PATH, f"{name}.{what}", told, f"{computed}, recomputed", mend)
-
-
-def check_episode_stats(
-    root: Path, shards: Sequence[Path], schema: Schema, runs: Mapping[str, RunStats], run_of_episode: Mapping[int, int]
-) -> Iterator[Finding]:
-    """Are the statistics of each episode, which are stored with the metadata, those of its frames?"""
-    for path in shards:
-        parquet = open_parquet(path)
-        stored = parquet.schema_arrow.names
-        numbers = integers(read_columns(parquet, path, ["episode_index"]), "episode_index", path).tolist()
-        run = np.array([run_of_episode.get(number, -1) for number in numbers], dtype=np.int64)
-        for name, stats in runs.items():
-            columns = [column for kind in _KINDS if (column := f"stats/{name}/{kind}") in stored]
-            try:
-                table = read_columns(parquet, path, columns)
-                yield from _check_shard_stats(table, path, root, name, schema.features[name], stats, run)
-            except DatasetError as fault:
-                yield from_fault("stats", fault, root)
-
-
-def _check_shard_stats(
-    table: pa.Table, path: Path, root: Path, name: str, feature: Feature, stats: RunStats, run: Ints
-) -> Iterator[Finding]:
-    there = run >= 0
-    for kind, computed, tolerance in _statistics(RunStats(*(column[run[there]] for column in stats))):
-        column_name = f"stats/{name}/{kind}"
-        if column_name not in table.column_names:
-            continue
-        told = vectors(table, column_name, (1,) if kind == "count" else feature.shape, path)[there].astype(np.float64)
-        wrong = ~(np.abs(told - computed) <= tolerance)
-        if wrong.any():
-            row, column = np.argwhere(wrong)[0].tolist()
-            dim = "" if kind == "count" else _dim(feature, column)
-            place = f"{column_name}{dim} in row {np.flatnonzero(there)[row]}"
-            said = f"{told[row, column]:.6g}{and_more(wrong)}"
-            yield warning("stats", path.relative_to(root), place, said, f"{computed[row, column]:.6g}, recomputed")
-
-
-def check_jumps(name: str, feature: Feature, stats: RunStats, numbers: Ints) -> Iterator[Finding]:
-    """Does a value leap away and back, many times further than it moves elsewhere?
+def jumps(name: str, feature: Feature, stats: RunStats, numbers: Ints) -> Iterator[Fault]:
+    """Find where a value of one feature leaps away and back, many times further than it moves elsewhere.
 
     A leap that stays may be a switch; one by a whole turn, there and back, is an angle at the end of its range.
     """
-    moving = stats.n >= _FEW
-    if moving.sum() < _FEW:
+    moving = stats.n >= _MIN_EPISODES
+    if moving.sum() < _MIN_EPISODES:
         return
     usual = np.median(stats.step[moving], axis=0)
     a_turn = np.isclose(stats.spike, 2 * np.pi, rtol=0.01) | np.isclose(stats.spike, 360, rtol=0.01)
@@ -156,76 +173,66 @@ def check_jumps(name: str, feature: Feature, stats: RunStats, numbers: Ints) -> 
         run = int(np.where(wrong, stats.spike, 0)[:, column].argmax())
         found = f"a leap of {stats.spike[run, column]:.3g} away and back{and_more(wrong[:, column])}"
         expected = f"steps of about {usual[column]:.3g} at most, as in the other episodes"
-        yield warning("jump", "data", f"{name}{_dim(feature, column)} in episode {numbers[run]}", found, expected)
+        yield Fault(_DATA, f"{name}{_dim(feature, column)} in episode {numbers[run]}", found, expected)
 
 
-def check_frozen(schema: Schema, runs: Mapping[str, RunStats], numbers: Ints) -> Iterator[Finding]:
-    """Does a sensor stand still for a long episode while it moves in nearly all others?
-
-    Not where the action of the same name stands still too: then nobody asked it to move.
-    """
-    if STATE not in runs:
-        return
-    feature, stats = schema.features[STATE], runs[STATE]
-    long = stats.n >= _LONG
-    if long.sum() < _FEW:
-        return
+def _still(stats: RunStats, long: Bools) -> Bools:
+    """Tell of each run and column whether it stands still, and nearly all others move."""
     span = stats.high - stats.low
     moves = span > 0
     # What goes from one end of its span to the other in one step is a switch, and may well not be used.
-    is_switch = (~moves | (stats.step > _MOST * span))[long].mean(axis=0) > 0.5
+    is_switch = (~moves | (stats.step > _NEARLY_ALL * span))[long].mean(axis=0) > 0.5
     still = ~moves & long[:, None]
-    wrong = still & (still.sum(axis=0) <= max(1, (1 - _MOST) * long.sum())) & ~is_switch
-    asked = schema.features[ACTION].dim_names if ACTION in runs else ()
-    for column, name in enumerate(feature.dim_names):
-        if name in asked:
-            wrong[:, column] &= (runs[ACTION].high > runs[ACTION].low)[:, asked.index(name)]
-    for column in np.flatnonzero(wrong.any(axis=0)).tolist():
-        run = int(wrong[:, column].argmax())
-        found = f"{stats.low[run, column]:.4g} in all {stats.n[run]:.0f} frames{and_more(wrong[:, column])}"
-        place = f"{STATE}{_dim(feature, column)} in episode {numbers[run]}"
-        yield warning("frozen", "data", place, found, "a value that moves, as in the other episodes")
+    seldom = still.sum(axis=0) <= max(1, (1 - _NEARLY_ALL) * long.sum())
+    wrong: Bools = still & seldom & ~is_switch
+    return wrong
 
 
-def check_twins(runs: Mapping[str, RunStats], numbers: Ints) -> Iterator[Finding]:
-    """Is the same demonstration there twice? Every sum of every feature is the same then, to the last bit."""
-    if not runs:
-        return
-    rows = np.concatenate([column.reshape(len(numbers), -1) for each in runs.values() for column in each], axis=1)
-    first: dict[bytes, int] = {}
-    long = np.flatnonzero(next(iter(runs.values())).n >= _LONG)
-    twins = [(run, twin) for run in long.tolist() if (twin := first.setdefault(rows[run].tobytes(), run)) != run]
-    if twins:
-        run, twin = twins[0]
-        more = f" (and {len(twins) - 1:,} more like it)" if len(twins) > 1 else ""
-        found = f"episode {numbers[twin]} again, frame for frame{more}"
-        mend = "It counts twice in training, and may stand on both sides of a split"
-        yield warning("twin", "data", f"episode {numbers[run]}", found, "every demonstration once", mend)
+def _span(stats: RunStats, column: int) -> tuple[float, float]:
+    """From where to where a column goes in all runs together."""
+    return float(stats.low[:, column].min()), float(stats.high[:, column].max())
 
 
-def check_dead(schema: Schema, runs: Mapping[str, RunStats]) -> Iterator[Finding]:
-    """Does an observation stand still although the action of the same name moves it?"""
-    if STATE not in runs or ACTION not in runs:
-        return
-    state, action = schema.features[STATE].dim_names, schema.features[ACTION].dim_names
-    for name in (name for name in action if name in state):
-        asked, seen = (
-            (stats.high[:, column].max(), stats.low[:, column].min())
-            for stats, column in ((runs[ACTION], action.index(name)), (runs[STATE], state.index(name)))
-        )
-        if asked[0] > asked[1] and seen[0] == seen[1]:
-            expected = f"one that moves: the action {name} goes from {asked[1]:.3g} to {asked[0]:.3g}"
-            yield warning("frozen", "data", f"{STATE}[{name}]", f"{seen[0]:.4g} in all frames", expected)
+def _flat(runs: Runs) -> dict[str, RunStats]:
+    """Of a matrix, LeRobot stores the statistics of the last axis only: leave it out."""
+    features = runs.claims.schema.features
+    return {name: stats for name, stats in runs.stats.items() if len(features[name].shape) == 1}
+
+
+def _episode_differences(
+    shard: Path, name: str, feature: Feature, columns: Columns, stats: RunStats, run: Ints
+) -> Iterator[Answer]:
+    there = run >= 0
+    for kind, computed, tolerance in _statistics(_rows_of(stats, run[there])):
+        if kind not in columns:
+            continue
+        stored = columns[kind][there].astype(np.float64)
+        wrong = ~(np.abs(stored - computed) <= tolerance)
+        if wrong.any():
+            row, column = np.argwhere(wrong)[0].tolist()
+            dim = "" if kind == "count" else _dim(feature, column)
+            place = f"stats/{name}/{kind}{dim} in row {np.flatnonzero(there)[row]}"
+            said = f"{stored[row, column]:.6g}{and_more(wrong)}"
+            yield Fault(shard, place, said, f"{computed[row, column]:.6g}, recomputed")
+
+
+def _rows_of(stats: RunStats, rows: Ints) -> RunStats:
+    return RunStats(**{name: column[rows] for name, column in stats._asdict().items()})
 
 
 def _pooled(stats: RunStats) -> RunStats:
     """Take all runs together: one row."""
     count, weight = stats.n.sum(), stats.n[:, None]
     mean = (stats.mean * weight).sum(axis=0) / count
-    squares = (stats.squares + weight * np.square(stats.mean - mean)).sum(axis=0)
-    low, high = stats.low.min(axis=0), stats.high.max(axis=0)
-    columns = (count, low, high, mean, squares, stats.step.max(axis=0), stats.spike.max(axis=0))
-    return RunStats(*(np.array([column]) for column in columns))
+    return RunStats(
+        n=np.array([count]),
+        low=stats.low.min(axis=0)[None],
+        high=stats.high.max(axis=0)[None],
+        mean=mean[None],
+        squares=(stats.squares + weight * np.square(stats.mean - mean)).sum(axis=0)[None],
+        step=stats.step.max(axis=0)[None],
+        spike=stats.spike.max(axis=0)[None],
+    )
 
 
 def _statistics(stats: RunStats) -> Iterator[tuple[str, Floats, Floats]]:
@@ -250,18 +257,18 @@ def _differences(stored: Mapping[str, Any], stats: RunStats, feature: Feature) -
             yield kind, "nothing", f"{computed.size} numbers"
             continue
         try:
-            told = np.asarray(stored[kind], dtype=np.float64).ravel()
+            claimed = np.asarray(stored[kind], dtype=np.float64).ravel()
         except (TypeError, ValueError, OverflowError):
             yield kind, "something else", f"{computed.size} numbers"
             continue
-        if told.size != computed.size:
-            yield kind, f"{told.size} numbers", f"{computed.size} numbers"
+        if claimed.size != computed.size:
+            yield kind, f"{claimed.size} numbers", f"{computed.size} numbers"
             continue
-        wrong = ~(np.abs(told - computed[0]) <= tolerance[0])
+        wrong = ~(np.abs(claimed - computed[0]) <= tolerance[0])
         if wrong.any():
             column = int(wrong.argmax())
             place = kind if kind == "count" else f"{kind}{_dim(feature, column)}"
-            yield place, f"{told[column]:.6g}{and_more(wrong)}", f"{computed[0, column]:.6g}"
+            yield place, f"{claimed[column]:.6g}{and_more(wrong)}", f"{computed[0, column]:.6g}"
 
 
 def _dim(feature: Feature, column: int) -> str:

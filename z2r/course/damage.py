@@ -19,8 +19,8 @@ from z2r.arrays import Ints
 from z2r.format.dataset import Dataset, load
 from z2r.format.episodes import EPISODES_DIR, DataFile, shard_paths
 from z2r.format.schema import ACTION, INFO_PATH, STATE
+from z2r.format.tables import STATS_PATH
 
-_STATS_PATH = Path("meta/stats.json")
 _DATA_PATH = "data/chunk-{chunk_index:03d}/file-{file_index}.parquet"  # without zeros: file-10 sorts before file-9
 _N_SHARDS = 3
 # What becomes of a statistic when all values change their sign: minus the one named here.
@@ -87,7 +87,7 @@ def turn_half(root: Path) -> None:
     for file in load(root).files:
         for feature in (STATE, ACTION):
             _edit_feature(file.path, feature, np.negative)
-    path = root / _STATS_PATH
+    path = root / STATS_PATH
     stats = msgspec.json.decode(path.read_bytes())
     turned = {feature: _negated(stats[feature]) for feature in (STATE, ACTION)}
     path.write_bytes(msgspec.json.encode(stats | turned))

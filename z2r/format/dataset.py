@@ -1,21 +1,32 @@
-"""The frames as numpy arrays, sliced by the episode index."""
+"""The frames as numpy arrays, sliced by the episode index: how does one read a dataset that is whole?
+
+It is read whole or not at all: the first fault is an error. What can be read of a damaged one is the business of
+`z2r.format.tables`, and what must hold is written down in `z2r.format.rules`.
+"""
 
 import os
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import partial
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
 
 from z2r.arrays import Array, Columns, Progress, no_progress
-from z2r.errors import DatasetError, Fault
-from z2r.format.episodes import DataFile, EpisodeIndex, read_episodes
+from z2r.errors import printable
+from z2r.format import rules
+from z2r.format.episodes import DataFile, EpisodeIndex, EpisodeTable, shard_paths
 from z2r.format.parquet import open_parquet, read_columns, vectors
 from z2r.format.schema import ACTION, STATE, Schema, read_schema
+from z2r.format.store import folder_name, inside
+from z2r.format.tables import join_shards, read_shard
 
 # Each thread holds one data file in memory: more threads than this would trade memory for little time.
 _MAX_THREADS = 4
+_MAX_WAITING = 64  # data files that an executor is given at once: enough for as many workers
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +49,10 @@ class Dataset:
     schema: Schema
     episodes: EpisodeIndex
     files: tuple[DataFile, ...]
+
+    def __repr__(self) -> str:
+        counts = f"{len(self.episodes):,} episodes, {self.episodes.n_frames:,} frames"
+        return f"Dataset({printable(folder_name(self.root))}: {counts})"
 
     def first(self, n_episodes: int) -> "Dataset":
         """Return the dataset that holds the first `n_episodes` episodes only, and reads no file that it does not need.
@@ -71,7 +86,7 @@ class Dataset:
         DatasetError
             If a data file is missing, damaged, or not what the schema and the index say.
         """
-        return np.concatenate([frames[feature] for frames in map_files(self, [feature], lambda _, frames: frames)])
+        return np.concatenate([frames[feature] for frames in map_files(self, [feature], _keep)])
 
 
 def load(root: str | os.PathLike[str]) -> Dataset:
@@ -96,7 +111,7 @@ def load(root: str | os.PathLike[str]) -> Dataset:
     """
     root = Path(root)
     schema = read_schema(root)
-    episodes, files = read_episodes(root, schema)
+    episodes, files = _read_episodes(root, schema)
     return Dataset(root, schema, episodes, files)
 
 
@@ -105,10 +120,11 @@ def map_files[T](
     features: Sequence[str],
     fold: Callable[[DataFile, Columns], T],
     progress: Progress = no_progress,
+    executor: Executor | None = None,
 ) -> list[T]:
     """Read the data files, some at a time, and keep only what `fold` makes of each.
 
-    Memory is bounded by the files in flight, at most one for each of four threads, and not by their number.
+    Memory is bounded by the files in flight, one for each worker, and not by their number.
 
     Parameters
     ----------
@@ -117,9 +133,12 @@ def map_files[T](
     features : sequence of str
         Numeric features.
     fold : callable
-        Takes a file and its frames: a dict of feature to array, (n_rows, size).
+        Takes a file and its frames: a dict of feature to array, (n_rows, size). Where the executor runs in other
+        processes, it and what it returns must survive pickling.
     progress : callable, optional
         Called with the number of frames done and the number of all, after each file.
+    executor : Executor, optional
+        Who runs it, such as a ``ProcessPoolExecutor``; at most four threads unless given. It is not shut down.
 
     Returns
     -------
@@ -132,20 +151,17 @@ def map_files[T](
         If a data file is missing, damaged, or not what the schema and the index say.
     """
     end = int(dataset.episodes.to_index[-1])
-
-    def read_and_fold(file: DataFile) -> T:
-        return fold(file, read_frames(dataset.schema, file, features, min(file.to_index, end) - file.from_index))
-
     files = [file for file in dataset.files if file.from_index < end]
+    work = partial(_read_and_fold, dataset.root, dataset.schema, tuple(features), fold, end)
     results: list[T] = []
-    for file, result in zip(files, in_threads(read_and_fold, files), strict=True):
+    for file, result in zip(files, in_order(work, files, executor), strict=True):
         results.append(result)
         progress(min(file.to_index, end), end)
     return results
 
 
-def read_frames(schema: Schema, file: DataFile, features: Sequence[str], n_rows: int) -> Columns:
-    """Read the first `n_rows` frames of one data file.
+def read_frames(root: Path, schema: Schema, file: DataFile, features: Sequence[str], n_rows: int) -> Columns:
+    """Read the first `n_rows` frames of one data file of the dataset at `root`.
 
     Returns
     -------
@@ -157,40 +173,76 @@ def read_frames(schema: Schema, file: DataFile, features: Sequence[str], n_rows:
         If the file is missing or damaged, has another number of rows than the episode index gives it, lacks a feature,
         or has NaN or infinity in the state or the action.
     """
+    path = file.path.relative_to(root)
     parquet = open_parquet(file.path)
-    expected_rows = file.to_index - file.from_index
-    if parquet.metadata.num_rows != expected_rows:
-        raise DatasetError(
-            Fault(
-                file.path,
-                "rows",
-                f"{parquet.metadata.num_rows}",
-                f"{expected_rows}, frames {file.from_index} to {file.to_index} of the episode index",
-            )
-        )
+    rules.raise_first(root, rules.file_rows(path, parquet.metadata.num_rows, file.to_index - file.from_index))
+    rules.raise_first(root, rules.missing_columns(path, features, parquet.schema_arrow.names))
     table = read_columns(parquet, file.path, features, n_rows)
     frames = {name: vectors(table, name, schema.features[name].shape, file.path)[:n_rows] for name in features}
     for name in {STATE, ACTION}.intersection(features):
-        _check_finite(frames[name], schema.features[name].dim_names, file, name)
+        rules.raise_first(root, rules.finite(path, name, schema.features[name], frames[name]))
     return frames
 
 
-def in_threads[A, T](function: Callable[[A], T], items: Sequence[A]) -> Iterator[T]:
-    """Call a function for each item, some at a time, and yield what it returns in the order of the items."""
-    with ThreadPoolExecutor(min(_MAX_THREADS, os.cpu_count() or 1, len(items))) as pool:
-        yield from pool.map(function, items)
+def in_order[A, T](function: Callable[[A], T], items: Sequence[A], executor: Executor | None = None) -> Iterator[T]:
+    """Call a function for each item, some at a time, and yield what it returns in the order of the items.
 
-
-def _check_finite(values: Array, names: tuple[str, ...], file: DataFile, feature: str) -> None:
-    finite = np.isfinite(values)
-    if finite.all():
+    Parameters
+    ----------
+    function : callable
+        Survives pickling, as do its items and results, where the executor runs in other processes.
+    items : sequence
+        They are handed out as results are taken: what waits is bounded.
+    executor : Executor, optional
+        At most four threads unless given. It is not shut down.
+    """
+    if executor is None:
+        with ThreadPoolExecutor(min(_MAX_THREADS, os.cpu_count() or 1)) as threads:
+            yield from in_order(function, items, threads)
         return
-    row, column = np.argwhere(~finite)[0].tolist()
-    raise DatasetError(
-        Fault(
-            file.path,
-            f"{feature}[{names[column] if names else column}] in row {row}",
-            f"{values[row, column]} (frame {file.from_index + row} of the dataset)",
-            "a finite number",
+    waiting: deque[Future[T]] = deque()
+    try:
+        for item in items:
+            waiting.append(executor.submit(function, item))
+            if len(waiting) == _MAX_WAITING:
+                yield waiting.popleft().result()
+        while waiting:
+            yield waiting.popleft().result()
+    finally:
+        for future in waiting:
+            future.cancel()
+
+
+def _read_and_fold[T](
+    root: Path,
+    schema: Schema,
+    features: Sequence[str],
+    fold: Callable[[DataFile, Columns], T],
+    end: int,
+    file: DataFile,
+) -> T:
+    return fold(file, read_frames(root, schema, file, features, min(file.to_index, end) - file.from_index))
+
+
+def _keep(_: DataFile, frames: Columns) -> Columns:
+    return frames
+
+
+def _read_episodes(root: Path, schema: Schema) -> tuple[EpisodeIndex, tuple[DataFile, ...]]:
+    """Read the episode index, and the data files that it points at, in the order of their frames."""
+    table, paths = join_shards(schema, [read_shard(path) for path in shard_paths(root)])
+    wanted = (rules.some_episode, rules.episode_order, rules.range_overlap, rules.range_gap, rules.range_length)
+    rules.raise_first(root, chain.from_iterable(rule(table) for rule in wanted))
+    rules.raise_first(root, chain(rules.totals(schema, table), rules.side_by_side(table, paths)))
+    return EpisodeIndex(table.start, table.stop), _data_files(root, table, paths)
+
+
+def _data_files(root: Path, table: EpisodeTable, paths: Sequence[Path]) -> tuple[DataFile, ...]:
+    first = np.flatnonzero(np.diff(table.file_number, prepend=-1))
+    last = np.append(first[1:], len(table.number)) - 1
+    return tuple(
+        DataFile(inside(root, paths[number]), start, stop)
+        for number, start, stop in zip(
+            table.file_number[first].tolist(), table.start[first].tolist(), table.stop[last].tolist(), strict=True
         )
     )

@@ -7,23 +7,37 @@ which says which frames are its own and which data file they are in.
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from z2r.arrays import Bools, Ints
 from z2r.errors import DatasetError, Fault
-from z2r.format.parquet import integers, open_parquet, read_columns
-from z2r.format.schema import INFO_PATH, Schema, data_file_path, inside
+from z2r.format.store import find, inside
 
 EPISODES_DIR = Path("meta/episodes")
-COLUMNS = (
-    "episode_index",
-    "length",
-    "dataset_from_index",
-    "dataset_to_index",
-    "data/chunk_index",
-    "data/file_index",
-)
+
+
+class EpisodeTable(NamedTuple):
+    """What the episode metadata says, a row for each episode: all int64[n_episodes].
+
+    Attributes
+    ----------
+    number : ndarray
+        What the dataset calls the episode: its `episode_index`.
+    start, stop : ndarray
+        Its first frame and one past its last, counted over the whole dataset.
+    length : ndarray
+        How many frames it has.
+    file_number : ndarray
+        Which data file it is in: files are counted in the order of their numbers, over those that are named.
+    """
+
+    number: Ints
+    start: Ints
+    stop: Ints
+    length: Ints
+    file_number: Ints
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,8 +56,10 @@ class EpisodeIndex:
     Examples
     --------
     >>> index = EpisodeIndex(from_index=np.array([0, 3]), to_index=np.array([3, 8]))
-    >>> len(index), index.lengths.tolist(), index[1]
-    (2, [3, 5], slice(3, 8, None))
+    >>> index
+    EpisodeIndex(2 episodes, 8 frames)
+    >>> index.lengths.tolist(), index[1]
+    ([3, 5], slice(3, 8, None))
     """
 
     from_index: Ints
@@ -53,6 +69,9 @@ class EpisodeIndex:
     def __post_init__(self) -> None:
         if not len(self.numbers):
             object.__setattr__(self, "numbers", np.arange(len(self.from_index)))
+
+    def __repr__(self) -> str:
+        return f"EpisodeIndex({len(self):,} episodes, {self.n_frames:,} frames)"
 
     def __len__(self) -> int:
         return len(self.from_index)
@@ -121,37 +140,6 @@ class DataFile:
     to_index: int
 
 
-def read_episodes(root: Path, schema: Schema) -> tuple[EpisodeIndex, tuple[DataFile, ...]]:
-    """Read the episode index, and find the data files that it points at.
-
-    Parameters
-    ----------
-    root : Path
-        The folder of a LeRobot v3 dataset.
-    schema : Schema
-        From `z2r.format.schema.read_schema`.
-
-    Returns
-    -------
-    EpisodeIndex
-        All episodes, in order.
-    tuple of DataFile
-        In the order of their frames.
-
-    Raises
-    ------
-    DatasetError
-        If there is no episode, or a metadata shard is unreadable, or the rows do not tell one story: episodes numbered
-        0, 1, 2 ..., each beginning where the one before ends, as long as their ranges, and as many as the schema says.
-    """
-    rows = [read_shard(shard) for shard in shard_paths(root)]
-    columns = {name: np.concatenate([row[name] for row in rows]) for name in COLUMNS}
-    _check_one_story(columns, root / EPISODES_DIR)
-    index = EpisodeIndex(columns["dataset_from_index"], columns["dataset_to_index"])
-    _check_totals(index, schema, root / INFO_PATH)
-    return index, _data_files(root, schema, columns)
-
-
 def shard_paths(root: Path) -> list[Path]:
     """Find the metadata shards, in the order of their numbers.
 
@@ -160,98 +148,14 @@ def shard_paths(root: Path) -> list[Path]:
     DatasetError
         If there is none, or one leads out of the dataset.
     """
-    shards = [inside(root, shard.relative_to(root)) for shard in (root / EPISODES_DIR).glob("chunk-*/file-*.parquet")]
+    shards = [inside(root, shard) for shard in find(root, EPISODES_DIR, "chunk-*/file-*.parquet")]
     if not shards:
-        raise DatasetError(
-            Fault(
-                root / EPISODES_DIR,
-                "",
-                "no file-*.parquet in a chunk-* folder",
-                "at least one",
-                mend="Without it nobody knows where an episode ends; a recording that crashed never wrote it",
-            )
-        )
+        mend = "Without it nobody knows where an episode ends; a recording that crashed never wrote it"
+        found = "no file-*.parquet in a chunk-* folder"
+        raise DatasetError(Fault(root / EPISODES_DIR, "", found, "at least one", mend))
     return sorted(shards, key=file_numbers)
 
 
 def file_numbers(path: Path) -> list[int]:
     """Sort key: file-1000 comes after file-999, which sorting by name gets wrong."""
     return [int(number) for number in re.findall(r"\d+", f"{path.parent.name}/{path.name}")]
-
-
-def read_shard(path: Path) -> dict[str, Ints]:
-    """Read the columns of one metadata shard, a row for each episode.
-
-    Raises
-    ------
-    DatasetError
-        If the shard is unreadable, or a column is missing or does not hold whole numbers.
-    """
-    table = read_columns(open_parquet(path), path, COLUMNS)
-    return {name: integers(table, name, path) for name in COLUMNS}
-
-
-def _check_one_story(columns: dict[str, Ints], path: Path) -> None:
-    number, start, stop = columns["episode_index"], columns["dataset_from_index"], columns["dataset_to_index"]
-    if not len(number):
-        raise DatasetError(Fault(path, "", "no episodes", "at least one"))
-    _check_equal(number, np.arange(len(number)), path, "episode_index")
-    _check_equal(start, np.concatenate([[0], stop[:-1]]), path, "dataset_from_index")
-    _check_equal(columns["length"], stop - start, path, "length")
-    if np.any(stop <= start):
-        episode = int(np.argmax(stop <= start))
-        raise DatasetError(
-            Fault(
-                path,
-                f"dataset_to_index of episode {episode}",
-                f"{stop[episode]}",
-                f"more than its dataset_from_index, {start[episode]}",
-            )
-        )
-
-
-def _check_equal(found: Ints, expected: Ints, path: Path, field: str) -> None:
-    if not np.array_equal(found, expected):
-        episode = int(np.argmax(found != expected))
-        raise DatasetError(Fault(path, f"{field} of episode {episode}", f"{found[episode]}", f"{expected[episode]}"))
-
-
-def _check_totals(index: EpisodeIndex, schema: Schema, path: Path) -> None:
-    for key, stated, counted in (
-        ("total_episodes", schema.total_episodes, len(index)),
-        ("total_frames", schema.total_frames, index.n_frames),
-    ):
-        if stated != counted:
-            raise DatasetError(Fault(path, key, f"{stated}", f"{counted}, as meta/episodes says"))
-
-
-def _data_files(root: Path, schema: Schema, columns: dict[str, Ints]) -> tuple[DataFile, ...]:
-    pointer = np.stack([columns["data/chunk_index"], columns["data/file_index"]], axis=1)
-    begins = np.concatenate([[True], np.any(pointer[1:] != pointer[:-1], axis=1)])
-    first = np.flatnonzero(begins)
-    last = np.append(first[1:], len(pointer)) - 1
-    files = tuple(
-        DataFile(
-            path=data_file_path(root, schema, *pointer[episode].tolist()),
-            from_index=int(columns["dataset_from_index"][episode]),
-            to_index=int(columns["dataset_to_index"][last_episode]),
-        )
-        for episode, last_episode in zip(first, last, strict=True)
-    )
-    _check_each_file_once(files, first, root / EPISODES_DIR)
-    return files
-
-
-def _check_each_file_once(files: tuple[DataFile, ...], first_episode: Ints, path: Path) -> None:
-    seen: set[Path] = set()
-    for file, episode in zip(files, first_episode, strict=True):
-        if file.path in seen:
-            raise DatasetError(
-                Fault(
-                    path,
-                    f"data/file_index of episode {episode}",
-                    f"{file.path.name} again, after another file",
-                    "episodes of one file side by side",
-                )
-            )
-        seen.add(file.path)

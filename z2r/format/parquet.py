@@ -14,13 +14,13 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from z2r.arrays import Array, Ints
-from z2r.errors import DatasetError, Fault
+from z2r.errors import DatasetError, Fault, some
+from z2r.format.store import fault_of, open_mapped
 
 # The last one: pyarrow meets a damaged column name.
 _UNREADABLE = (pa.ArrowException, OSError, UnicodeDecodeError)
 _NUMERIC = "numbers, one for each frame"
 _MAX_NUMBERS = 2**28  # in one file: 1 GiB of float32
-_MOST_NAMES = 12  # as many as one line of an error holds
 
 
 def open_parquet(path: Path) -> pq.ParquetFile:
@@ -32,11 +32,9 @@ def open_parquet(path: Path) -> pq.ParquetFile:
         If the file is missing, or is no whole parquet file.
     """
     try:
-        return pq.ParquetFile(path, memory_map=True)
-    except FileNotFoundError:
-        raise DatasetError(
-            Fault(path, "", "no such file", "a parquet file", mend="Copy or download the dataset again")
-        ) from None
+        return pq.ParquetFile(open_mapped(path))
+    except (FileNotFoundError, PermissionError) as error:
+        raise DatasetError(fault_of(error, path, "a parquet file")) from None
     except _UNREADABLE as error:
         raise _unreadable(path, error) from error
 
@@ -70,7 +68,7 @@ def read_columns(file: pq.ParquetFile, path: Path, columns: Sequence[str], n_row
     present = stored.names
     for column in columns:
         if column not in present:
-            raise DatasetError(Fault(path, column, "no such column", f"it among {_some(present)}"))
+            raise DatasetError(Fault(path, column, "no such column", f"it among {some(present)}"))
         if present.count(column) > 1:
             raise DatasetError(Fault(path, column, f"{present.count(column)} columns of this name", "one"))
     claimed = file.metadata.num_rows if n_rows is None else min(n_rows, file.metadata.num_rows)
@@ -206,10 +204,6 @@ def _flatten_lists(array: pa.Array, size: int, shape: Sequence[int], path: Path,
             raise DatasetError(Fault(path, column, f"{sizes[row]} in row {row}", expected))
         return array.values.slice(offsets[0], len(array) * size)
     raise DatasetError(Fault(path, column, f"values of type {array.type}", expected))
-
-
-def _some(names: Sequence[str]) -> str:
-    return ", ".join(names[:_MOST_NAMES]) + (", ..." if len(names) > _MOST_NAMES else "")
 
 
 def _is_list(kind: pa.DataType) -> bool:

@@ -14,6 +14,7 @@ from typing import Annotated, Any
 import msgspec
 
 from z2r.errors import DatasetError, Fault
+from z2r.format.store import check_folder, inside, read_bytes
 
 INFO_PATH = Path("meta/info.json")
 STATE = "observation.state"
@@ -96,6 +97,9 @@ class Schema(msgspec.Struct, frozen=True):
     features: dict[str, Feature]
     data_path: str
 
+    def __repr__(self) -> str:
+        return f"Schema({len(self.features)} features at {self.fps:g} fps)"
+
     def columns(self, feature: str, names: Sequence[str]) -> list[int]:
         """Find dimensions of a feature by their names.
 
@@ -150,7 +154,7 @@ def read_schema(root: Path) -> Schema:
         type, or the path template does more than name a chunk and a file.
     """
     path = root / INFO_PATH
-    raw = _read_info(root)
+    raw = read_info(root)
     _check_version(_decode(raw, _Version, path).codebase_version, path)
     features = _decode(raw, _Features, path).features
     if len(features) > _MAX_FEATURES:
@@ -162,72 +166,24 @@ def read_schema(root: Path) -> Schema:
     return schema
 
 
-def inside(root: Path, relative: Path | str) -> Path:
-    """Return a path below `root`, and refuse one that leads out of it.
-
-    A dataset is untrusted input: neither ``..`` nor a symbolic link may make a reader open what lies elsewhere. The one
-    exception is the Hugging Face cache, whose snapshots are links into the ``blobs`` folder of the same repository.
-
-    Raises
-    ------
-    DatasetError
-        If the path, links followed, is outside.
-    """
-    path = root / relative
-    try:
-        real, real_root = path.resolve(), root.resolve()
-        is_device = real.exists() and not real.is_file() and not real.is_dir()
-    except RuntimeError:  # Python up to 3.12 says so of a link that leads to itself
-        raise DatasetError(Fault(path, "", "a link that leads to itself", "a file")) from None
-    except (OSError, ValueError) as error:
-        raise DatasetError(Fault(path, "", f"a path that cannot be ({error.args[-1]})", "a file")) from None
-    allowed = [real_root]
-    if real_root.parent.name == "snapshots":
-        allowed.append(real_root.parents[1] / "blobs")
-    if not any(real.is_relative_to(folder) for folder in allowed):
-        raise DatasetError(
-            Fault(
-                path,
-                "",
-                "a path that leads out of the dataset",
-                "a file inside the dataset",
-                mend="If you trust the link, copy the dataset with its links followed: cp -rL",
-            )
-        )
-    if is_device:
-        raise DatasetError(Fault(path, "", "a pipe or a device, which may never end", "a file"))
-    return path
+def data_file_path(schema: Schema, chunk_index: int, file_index: int) -> Path:
+    """Return the path of one data file relative to the dataset, from the schema's template."""
+    return Path(schema.data_path.format(chunk_index=chunk_index, file_index=file_index))
 
 
-def data_file_path(root: Path, schema: Schema, chunk_index: int, file_index: int) -> Path:
-    """Return the path of one data file, from the schema's template.
+def read_info(root: Path) -> bytes:
+    """Read the bytes of `meta/info.json`.
 
     Raises
     ------
     DatasetError
-        If it leads out of `root`.
+        If the folder or the file is missing, or it cannot be read.
     """
-    return inside(root, schema.data_path.format(chunk_index=chunk_index, file_index=file_index))
-
-
-def _read_info(root: Path) -> bytes:
     path = inside(root, INFO_PATH)
-    if not root.is_dir():
-        raise DatasetError(Fault(root, "", "no such folder", "the folder of a LeRobot dataset"))
-    try:
-        if path.stat().st_size > _MAX_INFO_BYTES:
-            raise DatasetError(Fault(path, "", f"{path.stat().st_size} bytes", f"at most {_MAX_INFO_BYTES}"))
-        return path.read_bytes()
-    except OSError as error:
-        raise DatasetError(
-            Fault(
-                path,
-                "",
-                (error.strerror or str(error)).lower(),
-                "the schema of a LeRobot dataset",
-                mend="Name the folder that holds meta/ and data/",
-            )
-        ) from error
+    check_folder(root)
+    return read_bytes(
+        path, _MAX_INFO_BYTES, "the schema of a LeRobot dataset", "Name the folder that holds meta/ and data/"
+    )
 
 
 class _Version(msgspec.Struct):

@@ -1,6 +1,6 @@
 """Is the reading right? Checks that need no label: what solid bodies, an action and time can do and cannot.
 
-Each data file is folded into sums (`Sums`); what they say is judged at the end.
+Each data file is folded into sums (`FileSums`); what those of all files say is asked at the end.
 """
 
 from collections.abc import Iterator, Sequence
@@ -10,19 +10,22 @@ from typing import NamedTuple
 import numpy as np
 from msgspec.structs import replace
 
-from z2r.arrays import Bools, Columns, Floats, Ints, reduce_parts
-from z2r.audits.findings import Finding, error, warning
+from z2r.arrays import Bools, Floats, Ints, reduce_parts
+from z2r.check import Answer, Check, Part
+from z2r.errors import DatasetError, Fault
 from z2r.format.episodes import EpisodeIndex, parts_within
-from z2r.format.schema import Schema
-from z2r.pusht import motion
-from z2r.pusht.motion import STILL
+from z2r.pusht.motion import STILL, motion_faults, motion_sums
 from z2r.pusht.overlap import LIMIT, overlap
 from z2r.pusht.task import ACTION_LIMIT, PUSHER_RADIUS, WALL
-from z2r.pusht.verdict import Recording
+from z2r.pusht.verdict import read_verdict, verdict_path
 from z2r.reading.angles import wrap_angle
-from z2r.reading.decode import Decoded, decode
+from z2r.reading.decode import Decoded
+from z2r.reading.poses import Pose
 from z2r.reading.reading import Reading
+from z2r.reading.scene import FROZEN, SceneSums
 from z2r.reading.success import frame_errors, in_tolerance
+
+_DATA = Path("data")  # what is wrong with all episodes is wrong in some data file
 
 # m in one frame, beyond what the action asks for: at most 0.005 inside the episodes of the shipped data, and at least
 # 0.15 between them. Where the action does not say what moves, it takes a long leap.
@@ -32,7 +35,7 @@ _STUCK = 5  # frames in a row
 _RARE = 0.05  # of the steps
 _OFTEN = 0.01  # of the frames
 _FLUNG = 0.025  # m in one frame: a block that is hit may go this much further than the pusher
-_FEW = 3  # episodes
+_MIN_EPISODES = 3  # from fewer nothing can be said about how they end
 
 
 class Worst(NamedTuple):
@@ -43,8 +46,8 @@ class Worst(NamedTuple):
     frame: int = 0
 
 
-class Sums(NamedTuple):
-    """What is kept of one data file."""
+class FileSums(NamedTuple):
+    """What is kept of one data file; the numbers of frames count over the whole dataset."""
 
     n_frames: int
     overlap: Worst
@@ -53,7 +56,7 @@ class Sums(NamedTuple):
     long_leaps: Worst
     seams: Worst
     half_turns: Worst
-    motion: Floats  # of each of these episodes, as `motion.sum_up` gives it
+    motion: Floats  # of each of these episodes, as `motion_sums` gives it
     stuck: Worst
     episode: Ints  # numbers of the episodes that this file holds a part of
     in_tolerance: Bools  # in one of its frames
@@ -61,100 +64,56 @@ class Sums(NamedTuple):
     last: Floats
 
 
-def fold(frames: Columns, base: int, episodes: EpisodeIndex, reading: Reading, schema: Schema) -> Sums:
-    """Sum up one data file, whose first row is frame `base` of the dataset."""
-    n = len(frames[reading.feature])
+def fold_file(decoded: Decoded, base: int, episodes: EpisodeIndex, fps: float) -> FileSums | None:
+    """Sum up the frames of one data file, of which the first is frame `base`; None where they have no action."""
+    n, action, meaning = len(decoded), decoded.action, decoded.reading.action
+    if action is None or meaning is None:
+        return None
     here, starts, stops = parts_within(episodes, base, base + n)
     inside = _pairs_inside(starts, stops, n)
     begins = np.isin(np.arange(1, n), starts)
-    decoded = decode(frames, reading, schema)
-    tee, pusher, action = decoded.pose("tee"), decoded.pose("pusher"), decoded.action
-    assert action is not None and reading.action is not None
-    steps = np.stack([np.diff(pusher.x), np.diff(pusher.y)], axis=1)
-    offset = _offset(decoded)
-    errors = frame_errors(decoded)
-    leaps, smooth = _leaps(steps, action, np.hypot(np.diff(tee.x), np.diff(tee.y)), 1 / schema.fps)
+    tee, pusher = decoded.pose("tee"), decoded.pose("pusher")
+    steps = np.stack([np.diff(pusher.x), np.diff(pusher.y)], axis=1)  # (n - 1, 2)
+    offset, errors, depth = _offset(decoded), frame_errors(decoded), overlap(decoded)
+    leaps, smooth = _leaps(steps, action, np.hypot(np.diff(tee.x), np.diff(tee.y)), 1 / fps)
     long = leaps > _LONG_LEAP
     together = inside & ~long if long.sum() < _RARE * len(long) else inside  # a leap is no motion, unless all motion is
-    free = _away_from_walls(decoded)
-    depth = overlap(decoded)
-    fine = in_tolerance(errors, reading)
-    return Sums(
+    free = _away_from_walls(pusher)
+    fastest = np.abs(action).max(axis=1)
+    turned = np.abs(offset[:, 2])
+    return FileSums(
         n_frames=n,
         overlap=_worst(depth, depth > LIMIT, base),
-        beyond_limit=_worst(np.abs(action).max(axis=1), np.abs(action).max(axis=1) > ACTION_LIMIT * (1 + 1e-6), base),
+        beyond_limit=_worst(fastest, fastest > ACTION_LIMIT * (1 + 1e-6), base),
         leaps=_worst(leaps, (leaps > _LEAP) & inside, base + 1),
         long_leaps=_worst(leaps, (leaps > _LONG_LEAP) & inside, base + 1),
         seams=_worst(smooth, (smooth < _SMOOTH) & begins & ~inside, base + 1),
-        half_turns=_worst(errors["ang_err"], errors["ang_err"] > np.pi + 1e-6, base),
-        motion=motion.sum_up(
-            steps * schema.fps, action, together & free, starts, reading.action.lag if reading.action else 0
-        ),
+        half_turns=_worst(turned, turned > np.pi + 1e-6, base),
+        motion=motion_sums(steps * fps, action, together & free, starts, meaning.lag),
         stuck=_stuck(steps, action, inside & free, base + 1),
         episode=episodes.numbers[here],
-        in_tolerance=reduce_parts(np.logical_or, fine, starts, stops),
+        in_tolerance=reduce_parts(np.logical_or, in_tolerance(errors, decoded.reading), starts, stops),
         first=offset[starts],
         last=offset[stops - 1],
     )
 
 
-def judge(sums: Sequence[Sums], files: Sequence[Path], reading: Reading) -> Iterator[Finding]:
-    """Say what the sums of all data files say; `files` are theirs, in the same order."""
-    yield from _judge_overlap(sums, files)
-    yield from _judge_limit(sums, files)
-    moves_oddly = list(motion.judge(_all_parts(sums), np.concatenate([each.motion for each in sums])))
-    yield from moves_oddly
-    yield from _judge_leaps([each.long_leaps if moves_oddly else each.leaps for each in sums], files)
-    yield from _judge_seams([each.seams for each in sums], files)
-    yield from _judge_stuck(sums, files)
-    yield from _judge_half_turns(sums, files)
-    yield from _judge_ends(sums, reading)
+@Check("action-range", "no action is beyond what the robot can do", "warning").of(SceneSums)
+def action_range(scene: SceneSums) -> Iterator[Answer]:
+    """Is every action within the limits of the environment?"""
+    worst, path = _worst_of(scene, "beyond_limit")
+    if worst.times:
+        found = f"{worst.value:.3g} m/s ({worst.times:,} frames like it)"
+        yield Fault(path, f"action of frame {worst.frame}", found, f"at most {ACTION_LIMIT} m/s")
 
 
-def check_verdict(reached: Bools, episodes: EpisodeIndex, verdict: Recording, name: str) -> Iterator[Finding]:
-    """Does the reading agree with the simulator? Success implies that the last stored frame is in tolerance.
-
-    Parameters
-    ----------
-    reached : ndarray, bool[n_episodes]
-        As the reading has it.
-    episodes : EpisodeIndex
-        Where episodes end.
-    verdict : Recording
-        What the simulator said.
-    name : str
-        Of the file with the verdict.
-    """
-    told = [each.n_frames for each in verdict.episodes]
-    if told != episodes.lengths.tolist():
-        found = f"{len(told)} episodes with {sum(told)} frames"
-        yield warning(
-            "verdict", name, "episodes", found, f"{len(episodes)} with {episodes.n_frames}, as the index says"
-        )
-        return
-    success = np.array([each.success for each in verdict.episodes])
-    lost = success & ~reached
-    if lost.any():
-        place = f"success of episode {int(lost.argmax())}"
-        found = f"true, while it is read as not reached ({lost.sum()} of {success.sum()} successes are)"
-        yield error(
-            "verdict", name, place, found, "every success read as reached", "The reading or its tolerances are wrong"
-        )
-
-
-def reached(sums: Sequence[Sums], reading: Reading) -> Bools:
-    """Tell which episodes are in tolerance in their decisive frame, in the order of their numbers."""
-    x, y, turn = _decisive(sums, reading).T
-    return in_tolerance({"pos_err": np.hypot(x, y), "ang_err": np.abs(turn)}, reading)
-
-
-def _judge_overlap(sums: Sequence[Sums], files: Sequence[Path]) -> Iterator[Finding]:
-    worst, file = _overall([each.overlap for each in sums], files)
-    # A hard push sinks in for a moment: it takes many frames, or a depth that no push reaches.
-    if worst.value > 2 * LIMIT or worst.times > _OFTEN * sum(each.n_frames for each in sums):
-        yield error(
-            "overlap",
-            file,
+@Check("overlap", "solid bodies stay apart", "error").of(SceneSums)
+def bodies_stay_apart(scene: SceneSums) -> Iterator[Answer]:
+    """A hard push sinks in for a moment: it takes many frames, or a depth that no push reaches."""
+    worst, path = _worst_of(scene, "overlap")
+    if worst.value > 2 * LIMIT or worst.times > _OFTEN * sum(each.n_frames for each in scene.sums):
+        yield Fault(
+            path,
             f"frame {worst.frame}",
             f"the pusher {1000 * worst.value:.1f} mm inside the block ({worst.times:,} frames like it)",
             f"solid bodies apart, or at most {1000 * LIMIT:.0f} mm into each other",
@@ -162,85 +121,156 @@ def _judge_overlap(sums: Sequence[Sums], files: Sequence[Path]) -> Iterator[Find
         )
 
 
-def _judge_limit(sums: Sequence[Sums], files: Sequence[Path]) -> Iterator[Finding]:
-    worst, file = _overall([each.beyond_limit for each in sums], files)
+@Check("action-motion", "the action moves the pusher the way it says, at once and at the right speed", "error").of(
+    SceneSums
+)
+def action_motion(scene: SceneSums) -> Iterator[Answer]:
+    """Does the pusher do what the action says?"""
+    yield from _motion_faults(scene)
+
+
+LEAP = Check("leap", "nothing leaps inside an episode, and something does where one ends", "error")
+
+
+@LEAP.of(SceneSums)
+def nothing_leaps_inside_an_episode(scene: SceneSums) -> Iterator[Answer]:
+    """Where the action does not say what moves, only a long leap counts."""
+    moves_oddly = any(True for _ in _motion_faults(scene))
+    worst, path = _worst_of(scene, "long_leaps" if moves_oddly else "leaps")
     if worst.times:
-        found = f"{worst.value:.3g} m/s ({worst.times:,} frames like it)"
-        yield warning("action-range", file, f"action of frame {worst.frame}", found, f"at most {ACTION_LIMIT} m/s")
-
-
-def _judge_leaps(worst: Sequence[Worst], files: Sequence[Path]) -> Iterator[Finding]:
-    leaps, file = _overall(worst, files)
-    if leaps.times:
-        yield error(
-            "leap",
-            file,
-            f"frame {leaps.frame}, inside an episode",
-            f"pusher or block {1000 * leaps.value:.0f} mm further on than the action asks ({leaps.times:,} like it)",
+        yield Fault(
+            path,
+            f"frame {worst.frame}, inside an episode",
+            f"pusher or block {1000 * worst.value:.0f} mm further on than the action asks ({worst.times:,} like it)",
             "a leap only where an episode ends",
             "The index lacks a boundary here, or frames are missing or in the wrong order",
         )
 
 
-def _judge_seams(worst: Sequence[Worst], files: Sequence[Path]) -> Iterator[Finding]:
-    seams, file = _overall(worst, files)
-    if seams.times:
-        yield warning(
-            "leap",
-            file,
-            f"frame {seams.frame}, where an episode begins",
-            f"motion that runs straight on ({seams.times:,} like it)",
-            "a new start",
-            "The motion has no boundary here: is the index off by a frame, or one episode cut in two?",
-        )
+@LEAP.of(SceneSums)
+def something_leaps_where_an_episode_ends(scene: SceneSums) -> Iterator[Answer]:
+    """Does a new episode begin anew?"""
+    worst, path = _worst_of(scene, "seams")
+    if worst.times:
+        found = f"motion that runs straight on ({worst.times:,} like it)"
+        mend = "The motion has no boundary here: is the index off by a frame, or one episode cut in two?"
+        yield "warning", Fault(path, f"frame {worst.frame}, where an episode begins", found, "a new start", mend)
 
 
-def _judge_stuck(sums: Sequence[Sums], files: Sequence[Path]) -> Iterator[Finding]:
-    worst, file = _overall([each.stuck for each in sums], files)
+@FROZEN.of(SceneSums)
+def the_pusher_is_not_stuck(scene: SceneSums) -> Iterator[Answer]:
+    """Does the pusher move where it is asked to?"""
+    worst, path = _worst_of(scene, "stuck")
     if worst.times:
         found = f"the pusher at the very same place for {worst.value + 1:.0f} frames"
         expected = "motion, for the action asks for it"
-        yield warning(
-            "frozen", file, f"up to frame {worst.frame}", found, expected, "The sensor, or the recording, hung"
-        )
+        yield Fault(path, f"up to frame {worst.frame}", found, expected, "The sensor, or the recording, hung")
 
 
-def _judge_half_turns(sums: Sequence[Sums], files: Sequence[Path]) -> Iterator[Finding]:
-    worst, file = _overall([each.half_turns for each in sums], files)
+@Check("yaw-error", "no error in yaw is more than half a turn", "error").of(SceneSums)
+def yaw_error(scene: SceneSums) -> Iterator[Answer]:
+    """Is the difference of two yaws wrapped?"""
+    worst, path = _worst_of(scene, "half_turns")
     if worst.times:
         found = f"{worst.value:.2f} rad ({worst.times:,} frames like it)"
         mend = "Wrap the difference of two angles into one turn"
-        yield error("yaw-error", file, f"error in yaw of frame {worst.frame}", found, "at most 3.14 rad", mend)
+        yield Fault(path, f"error in yaw of frame {worst.frame}", found, "at most 3.14 rad", mend)
 
 
-def _judge_ends(sums: Sequence[Sums], reading: Reading) -> Iterator[Finding]:
-    in_tolerance_once = np.concatenate([each.in_tolerance for each in sums])
-    ever = len(np.unique(_all_parts(sums)[in_tolerance_once]))
-    fine = int(reached(sums, reading).sum())
-    if ever >= _FEW and fine < ever / 2:
-        found = f"{fine} in tolerance in their {reading.decisive} frame"
-        expected = f"most of the {ever} that are in tolerance at some time"
-        mend = f"Is it the {reading.decisive} frame that tells? Do ranges end where episodes end?"
-        yield warning("decisive-frame", "data", "episodes", found, expected, mend)
-    x, y, turn = _decisive(sums, reading).T
-    if reading.decisive == "first" or len(turn) < _FEW:
+@Check("final-offset", "episodes do not all miss the target in the same way", "warning").of(SceneSums)
+def final_offset(scene: SceneSums) -> Iterator[Answer]:
+    """Where ends are no closer together than starts, nobody brought the block anywhere."""
+    reading, expected = scene.reading, "ends around the target"
+    x, y, turn = _decisive(scene.sums, reading).T
+    if reading.decisive == "first" or len(turn) < _MIN_EPISODES:
         return
-    first_x, first_y, first_turn = _decisive(sums, replace(reading, decisive="first")).T
+    first_x, first_y, first_turn = _decisive(scene.sums, replace(reading, decisive="first")).T
     turned, turn_spread = _circular(turn)
-    # Where ends are no closer together than starts, nobody brought the block anywhere.
-    if abs(turned) > max(_within(reading, "ang_err"), 2 * turn_spread) and turn_spread < _circular(first_turn)[1] / 2:
+    as_one = turn_spread < _circular(first_turn)[1] / 2
+    if as_one and abs(turned) > max(_tolerance(reading, "ang_err"), 2 * turn_spread):
         found = f"all turned by about {turned:.2f} rad from the target"
         mend = "The yaw of the block or of the target is read wrong (sine and cosine swapped?)"
-        yield warning("final-offset", "data", "last frames", found, "ends around the target", mend)
+        yield Fault(_DATA, "last frames", found, expected, mend)
     middle, spread = _middle(x, y)
-    if np.hypot(*middle) > max(_within(reading, "pos_err"), 2 * spread) and spread < _middle(first_x, first_y)[1] / 2:
+    as_one = spread < _middle(first_x, first_y)[1] / 2
+    if as_one and np.hypot(*middle) > max(_tolerance(reading, "pos_err"), 2 * spread):
         found = f"all about {1000 * middle[0]:.0f} and {1000 * middle[1]:.0f} mm away from the target"
-        mend = "The position of the block or of the target is read wrong"
-        yield warning("final-offset", "data", "last frames", found, "ends around the target", mend)
+        yield Fault(_DATA, "last frames", found, expected, "The position of the block or of the target is read wrong")
 
 
-def _within(reading: Reading, name: str) -> float:
-    return next(goal.within for goal in reading.goal if goal.name == name and goal.within is not None)
+@Check("decisive-frame", "an episode that comes into tolerance mostly stays there", "warning").of(SceneSums)
+def decisive_frame(scene: SceneSums) -> Iterator[Answer]:
+    """Are most episodes that are ever in tolerance also there in the frame that decides?"""
+    in_tolerance_once = np.concatenate([each.in_tolerance for each in scene.sums])
+    ever = len(np.unique(_all_parts(scene.sums)[in_tolerance_once]))
+    fine = int(reached(scene).sum())
+    if ever >= _MIN_EPISODES and fine < ever / 2:
+        which = scene.reading.decisive
+        found = f"{fine} in tolerance in their {which} frame"
+        mend = f"Is it the {which} frame that tells? Do ranges end where episodes end?"
+        yield Fault(_DATA, "episodes", found, f"most of the {ever} that are in tolerance at some time", mend)
+
+
+@Check("verdict", "the reading agrees with the simulator's verdict, where there is one", "error").of(SceneSums)
+def agrees_with_the_verdict(scene: SceneSums) -> Iterator[Answer]:
+    """Does the reading agree with the simulator? Success implies that the last stored frame is in tolerance."""
+    episodes, path = scene.episodes, Path(verdict_path(scene.root).name)
+    try:
+        verdict = read_verdict(scene.root)
+    except DatasetError as error:
+        yield "warning", error.fault._replace(path=path)
+        return
+    fine = reached(scene)
+    if verdict is None or len(fine) != len(episodes):
+        return
+    lengths = [each.n_frames for each in verdict.episodes]
+    if lengths != episodes.lengths.tolist():
+        found = f"{len(lengths)} episodes with {sum(lengths)} frames"
+        expected = f"{len(episodes)} with {episodes.n_frames}, as the index says"
+        yield "warning", Fault(path, "episodes", found, expected)
+        return
+    success = np.array([each.success for each in verdict.episodes])
+    lost = success & ~fine
+    if lost.any():
+        found = f"true, while it is read as not reached ({lost.sum()} of {success.sum()} successes are)"
+        mend = "The reading or its tolerances are wrong"
+        yield Fault(path, f"success of episode {int(lost.argmax())}", found, "every success read as reached", mend)
+
+
+def ungraded(root: Path) -> Iterator[str]:
+    """Say that nobody graded the recording, where it is so."""
+    try:
+        graded = read_verdict(root) is not None
+    except DatasetError:
+        return  # the check of the verdict says so
+    if not graded:
+        yield "whether the tolerances are those of the task: no verdict of the simulator is beside the dataset"
+
+
+PARTS = tuple(value for value in globals().values() if isinstance(value, Part))
+"""What PushT adds to an audit, in the order in which it stands above."""
+
+
+def reached(scene: SceneSums) -> Bools:
+    """Tell which episodes are in tolerance in their decisive frame, in the order of their numbers."""
+    x, y, turn = _decisive(scene.sums, scene.reading).T
+    return in_tolerance({"pos_err": np.hypot(x, y), "ang_err": np.abs(turn)}, scene.reading)
+
+
+def _motion_faults(scene: SceneSums) -> Iterator[Answer]:
+    return motion_faults(_all_parts(scene.sums), np.concatenate([each.motion for each in scene.sums]))
+
+
+def _worst_of(scene: SceneSums, name: str) -> tuple[Worst, Path]:
+    """Return the worst of all files, how often it is so in all of them together, and the file that holds it."""
+    worst: list[Worst] = [getattr(each, name) for each in scene.sums]
+    place = max(range(len(worst)), key=lambda number: (worst[number].times > 0, worst[number].value))
+    return worst[place]._replace(times=sum(each.times for each in worst)), scene.paths[place]
+
+
+def _tolerance(reading: Reading, name: str) -> float:
+    """Return how large the number of a goal may be; 0 where it has no such limit."""
+    return next((goal.within for goal in reading.goal if goal.name == name and goal.within is not None), 0.0)
 
 
 def _circular(angles: Floats) -> tuple[float, float]:
@@ -255,9 +285,9 @@ def _middle(x: Floats, y: Floats) -> tuple[Floats, float]:
     return middle, float(np.median(np.hypot(x - middle[0], y - middle[1])))
 
 
-def _away_from_walls(decoded: Decoded) -> Bools:
+def _away_from_walls(pusher: Pose) -> Bools:
     """Tell of each frame and the next whether both are away from any wall, bool[n - 1]; all, if no frame is."""
-    reach = np.max(np.abs(decoded.pose("pusher")[:2]), axis=0)
+    reach = np.maximum(np.abs(pusher.x), np.abs(pusher.y))
     free = reach < WALL - 2 * PUSHER_RADIUS
     if not free.any():
         return np.ones(len(reach) - 1, dtype=bool)
@@ -306,16 +336,11 @@ def _worst(values: Floats, wrong: Bools, first_frame: int) -> Worst:
     return Worst(int(wrong.sum()), float(values[row]), first_frame + row)
 
 
-def _overall(worst: Sequence[Worst], files: Sequence[Path]) -> tuple[Worst, Path]:
-    place = max(range(len(worst)), key=lambda i: (worst[i].times > 0, worst[i].value))
-    return worst[place]._replace(times=sum(each.times for each in worst)), files[place]
-
-
-def _all_parts(sums: Sequence[Sums]) -> Ints:
+def _all_parts(sums: Sequence[FileSums]) -> Ints:
     return np.concatenate([each.episode for each in sums])
 
 
-def _decisive(sums: Sequence[Sums], reading: Reading) -> Floats:
+def _decisive(sums: Sequence[FileSums], reading: Reading) -> Floats:
     """Offset from the target in the decisive frame of each episode; of one in several files, the part that holds it."""
     parts = _all_parts(sums)
     if reading.decisive == "first":

@@ -1,13 +1,15 @@
 """Does the action move the pusher the way it says? Found by correlating the two, at once and shifted by some frames."""
 
 from collections.abc import Iterator
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from z2r.arrays import Bools, Floats, Ints
-from z2r.audits.findings import Finding, error, warning
-from z2r.audits.index import and_more
+from z2r.check import Answer
+from z2r.errors import Fault
+from z2r.format.rules import and_more
 
 SHIFTS = (0, -1, 1, -2, 2)  # frames by which an action may be late or early; 0 first, so that it wins a tie
 STILL = 0.005  # m/s: less is no motion
@@ -20,7 +22,7 @@ _EXPLAINS = 0.5  # correlation of an action with what it does: 0.99 on the shipp
 _SCALES = (0.55, 1.5)
 
 
-def sum_up(velocity: Floats, action: Floats, inside: Bools, starts: Ints, lag: int) -> Floats:
+def motion_sums(velocity: Floats, action: Floats, inside: Bools, starts: Ints, lag: int) -> Floats:
     """Sum up all from which the correlation of action and velocity follows, for each episode, shift and axis.
 
     Parameters
@@ -56,7 +58,7 @@ def sum_up(velocity: Floats, action: Floats, inside: Bools, starts: Ints, lag: i
     return sums
 
 
-def judge(episodes: Ints, parts: Floats) -> Iterator[Finding]:
+def motion_faults(episodes: Ints, parts: Floats) -> Iterator[Answer]:
     """Judge each episode by itself, and all together where most are wrong, or each is too short to judge.
 
     Parameters
@@ -64,7 +66,7 @@ def judge(episodes: Ints, parts: Floats) -> Iterator[Finding]:
     episodes : ndarray, int64[n_parts]
         The number of the episode that each part belongs to.
     parts : ndarray, float64[n_parts, n_shifts, 6, 2]
-        From `sum_up`.
+        From `motion_sums`.
     """
     numbers, place = np.unique(episodes, return_inverse=True)
     motion = np.zeros((len(numbers) + 1, *parts.shape[1:]))
@@ -73,18 +75,13 @@ def judge(episodes: Ints, parts: Floats) -> Iterator[Finding]:
     fit = _fit(motion)
     fault = _faults(fit)
     wrong = np.flatnonzero(fault[:-1])
+    data = Path("data")
     if fault[-1] and (not len(wrong) or len(wrong) > len(numbers) / 2):
-        yield error("action-motion", "data", "action against the motion of the pusher", *_say(fit, fault, -1))
+        yield Fault(data, "action against the motion of the pusher", *_say(fit, fault, -1))
     elif len(wrong):
         found, expected, mend = _say(fit, fault, int(wrong[0]))
-        yield warning(
-            "action-motion",
-            "data",
-            f"action in episode {numbers[wrong[0]]}",
-            f"{found}{and_more(fault[:-1] > 0)}",
-            expected,
-            mend,
-        )
+        episode = f"action in episode {numbers[wrong[0]]}"
+        yield "warning", Fault(data, episode, f"{found}{and_more(fault[:-1] > 0)}", expected, mend)
 
 
 class _Fit(NamedTuple):

@@ -1,20 +1,43 @@
 """What does PushT add to its reading? Its bodies, its walls and its checks, handed down to who audits or draws."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
+from z2r.check import Part
+from z2r.format.episodes import EpisodeIndex
+from z2r.pusht.checks import PARTS, FileSums, fold_file, ungraded
 from z2r.pusht.task import WALL
 from z2r.pusht.world import BODIES, PUSHT
 from z2r.reading.bodies import Body
+from z2r.reading.decode import Decoded
+from z2r.reading.scene import SceneSums
 
 
 @dataclass(frozen=True)
 class PushTScene:
-    """The scene that readings call ``pusht``; its attributes are those of `z2r.reading.scene.Scene`."""
+    """The scene that readings call ``pusht``: a `z2r.reading.scene.Scene`, where its members are explained."""
 
-    name: str
-    bodies: Mapping[str, Body]
-    half_width: float
+    name: str = str(PUSHT.scene)
+    half_width: float = WALL
+
+    @property
+    def bodies(self) -> Mapping[str, Body]:
+        """Pusher, block and target."""
+        return BODIES
+
+    @property
+    def checks(self) -> tuple[Part[SceneSums], ...]:
+        """What it asks in an audit."""
+        return PARTS
+
+    def fold(self, decoded: Decoded, base: int, episodes: EpisodeIndex, fps: float) -> FileSums | None:
+        """Sum up the frames of one data file."""
+        return fold_file(decoded, base, episodes, fps)
+
+    def not_checked(self, root: Path) -> Iterator[str]:
+        """Say what it could not look at."""
+        return ungraded(root)
 
 
-SCENE = PushTScene(str(PUSHT.scene), BODIES, WALL)
+SCENE = PushTScene()

@@ -10,6 +10,10 @@ from typing import Annotated
 import msgspec
 
 from z2r.errors import DatasetError, Fault
+from z2r.format.store import is_file, read_bytes
+
+_MAX_BYTES = 2**28
+_MEND = "Record it again, or move it away: the dataset can be read without it"
 
 
 class Verdict(msgspec.Struct, frozen=True):
@@ -56,8 +60,8 @@ class Recording(msgspec.Struct, frozen=True):
 
 def verdict_path(root: str | os.PathLike[str]) -> Path:
     """Return where the verdict on the dataset at `root` is kept, whether it is there or not."""
-    root = Path(root)
-    return root.with_name(f"{root.name}.verdict.json")
+    root = Path(root).resolve()  # the name of `.` is that of the folder
+    return root.parent / f"{root.name}.verdict.json"
 
 
 def write_verdict(root: Path, recording: Recording) -> None:
@@ -71,7 +75,7 @@ def read_verdict(root: str | os.PathLike[str]) -> Recording | None:
     Raises
     ------
     DatasetError
-        If the file is there and is no verdict.
+        If the file is there, and cannot be read or is no verdict.
 
     Examples
     --------
@@ -79,10 +83,10 @@ def read_verdict(root: str | os.PathLike[str]) -> Recording | None:
     >>> all(verdict.success for verdict in z2r.read_verdict(z2r.STANDIN).episodes)
     True
     """
-    path = verdict_path(root)
-    if not path.is_file():
+    path, expected = verdict_path(root), "a verdict as z2r record writes it"
+    if not is_file(path):
         return None
     try:
-        return msgspec.json.decode(path.read_bytes(), type=Recording)
-    except (msgspec.MsgspecError, UnicodeDecodeError) as error:
-        raise DatasetError(Fault(path, "", f"{error}", "a verdict as z2r record writes it")) from error
+        return msgspec.json.decode(read_bytes(path, _MAX_BYTES, expected, _MEND), type=Recording)
+    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
+        raise DatasetError(Fault(path, "", f"{error}", expected, _MEND)) from error

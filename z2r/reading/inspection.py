@@ -4,6 +4,7 @@ The summary is a fold over the data files: each file gives one row for every epi
 rows are merged at the end. Nothing else of a file is kept, but the first frames where somebody wants to draw them.
 """
 
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from typing import Any
 
@@ -166,6 +167,7 @@ def inspect_dataset(
     reading: Reading | None = None,
     progress: Progress = no_progress,
     keep: int = 0,
+    executor: Executor | None = None,
 ) -> Inspection:
     """Read every frame of a dataset once, and sum it up.
 
@@ -181,6 +183,8 @@ def inspect_dataset(
         Called with the number of frames done and the number of all, after each data file.
     keep : int, optional
         Keep as many of the first frames, those of whole episodes, for who wants to draw them.
+    executor : Executor, optional
+        What runs the fold over the data files; threads unless given.
 
     Raises
     ------
@@ -192,7 +196,7 @@ def inspect_dataset(
     schema, missing = dataset.schema, reading.missing(dataset.schema) if reading else ()
     first = int(dataset.episodes.from_index[0])
     fold = _Fold(dataset.episodes, first, first + keep)
-    parts = map_files(dataset, list(schema.signals()), fold, progress)
+    parts = map_files(dataset, list(schema.signals()), fold, progress, executor)
     sums = _merge([part.sums for part in parts])
     fits = reading if reading and not missing else None
     ends = {"first": sums.first, "last": sums.last}

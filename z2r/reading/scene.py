@@ -1,13 +1,49 @@
-"""What does only one task know? Its bodies, its walls: a scene, which a reading names."""
+"""What does one task know beyond its columns? Its bodies and its limits: a scene, handed down from the top.
 
-from collections.abc import Mapping
-from typing import Protocol
+A reading names columns, and knows no task. What only a task knows stays with the task, and meets the rest of the
+package here: the audit takes a scene's checks as they are, names their faults and sorts them in.
+"""
 
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple, Protocol
+
+from z2r.check import Check, Part
+from z2r.format.episodes import EpisodeIndex
 from z2r.reading.bodies import Body
+from z2r.reading.decode import Decoded
+from z2r.reading.reading import Reading
+
+# The audit asks it of every sensor, and a scene of its bodies.
+FROZEN = Check("frozen", "no sensor stands still for an episode while it moves in the others", "warning")
+
+
+class SceneSums(NamedTuple):
+    """What a scene's checks are asked of: all data files, folded.
+
+    Attributes
+    ----------
+    root : Path
+        The dataset.
+    episodes : EpisodeIndex
+        Where episodes end, as the dataset claims.
+    reading : Reading
+        What the columns mean.
+    paths : sequence of Path
+        The data files, relative to the dataset, in the order of their frames.
+    sums : sequence
+        What `Scene.fold` made of each.
+    """
+
+    root: Path
+    episodes: EpisodeIndex
+    reading: Reading
+    paths: Sequence[Path]
+    sums: Sequence[Any]
 
 
 class Scene(Protocol):
-    """What a task knows beyond what its reading says.
+    """What a task knows beyond what its reading says. It survives pickling, as does what it folds a file into.
 
     Attributes
     ----------
@@ -17,6 +53,8 @@ class Scene(Protocol):
         What they look like, by the names of their poses: a reading that names the scene has these poses.
     half_width : float
         The walls stand so far from the origin, on both axes [m].
+    checks : tuple of Part
+        What it asks in an audit.
     """
 
     @property
@@ -27,3 +65,12 @@ class Scene(Protocol):
 
     @property
     def half_width(self) -> float: ...  # noqa: D102
+
+    @property
+    def checks(self) -> "tuple[Part[SceneSums], ...]": ...  # noqa: D102
+
+    def fold(self, decoded: Decoded, base: int, episodes: EpisodeIndex, fps: float) -> Any:
+        """Sum up the frames of one data file, of which the first is frame `base`; None where an action is missing."""
+
+    def not_checked(self, root: Path) -> Iterator[str]:
+        """Say what it could not look at, although it has all of its columns."""

@@ -15,7 +15,8 @@ from rich.progress_bar import ProgressBar
 from rich.table import Table
 from rich.text import Text
 
-from z2r.audits.findings import Finding, Severity
+from z2r.audits.findings import Finding
+from z2r.check import Severity
 from z2r.errors import printable
 from z2r.format.schema import Schema
 from z2r.reading.breaks import BreakMode

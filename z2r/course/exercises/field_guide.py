@@ -9,9 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
-from z2r.api import load
+from z2r.api import audit, load
 from z2r.arrays import Floats
-from z2r.audits.audit import audit
 from z2r.course import figures
 from z2r.course.damage import delay_actions, shift_ranges, swap_sine_and_cosine
 from z2r.course.exercises._core import NOT_ATTEMPTED, NOT_YET, RIGHT, Case, judge_function

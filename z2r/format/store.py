@@ -1,0 +1,162 @@
+"""Where do the bytes come from? The one door to the file system: no other module that reads a dataset opens a file.
+
+A dataset is untrusted input: no path leaves its folder, no size is believed, and nothing that may never end is opened.
+"""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from z2r.errors import DatasetError, Fault
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+_AGAIN = "Copy or download the dataset again"
+_RIGHTS = "Give yourself the right to read the dataset: chmod -R u+rX"
+
+
+def inside(root: Path, relative: Path | str) -> Path:
+    """Return a path below `root`, and refuse one that leads out of it.
+
+    A dataset is untrusted input: neither ``..`` nor a symbolic link may make a reader open what lies elsewhere. The one
+    exception is the Hugging Face cache, whose snapshots are links into the ``blobs`` folder of the same repository.
+
+    Raises
+    ------
+    DatasetError
+        If the path, links followed, is outside, or is neither a file nor a folder.
+    """
+    path = root / relative
+    try:
+        real, real_root = path.resolve(), root.resolve()
+        is_device = real.exists() and not real.is_file() and not real.is_dir()
+    except RuntimeError:  # Python up to 3.12 says so of a link that leads to itself
+        raise DatasetError(Fault(path, "", "a link that leads to itself", "a file")) from None
+    except PermissionError as error:
+        raise DatasetError(fault_of(error, path, "a file that can be read")) from None
+    except (OSError, ValueError) as error:
+        raise DatasetError(Fault(path, "", f"a path that cannot be ({error.args[-1]})", "a file")) from None
+    allowed = [real_root]
+    if real_root.parent.name == "snapshots":
+        allowed.append(real_root.parents[1] / "blobs")
+    if not any(real.is_relative_to(folder) for folder in allowed):
+        mend = "If you trust the link, copy the dataset with its links followed: cp -rL"
+        raise DatasetError(Fault(path, "", "a path that leads out of the dataset", "a file inside the dataset", mend))
+    if is_device:
+        raise DatasetError(Fault(path, "", "a pipe or a device, which may never end", "a file"))
+    return path
+
+
+def folder_name(root: Path) -> str:
+    """Return what a folder is called; the one that we stand in, ``.``, has a name too."""
+    return root.resolve().name
+
+
+def check_folder(root: Path) -> None:
+    """Check that there is a folder.
+
+    Raises
+    ------
+    DatasetError
+        If there is none, or it cannot be looked into.
+    """
+    expected = "the folder of a LeRobot dataset"
+    try:
+        there = root.is_dir()
+    except OSError as error:
+        raise DatasetError(fault_of(error, root, expected)) from None
+    if not there:
+        raise DatasetError(Fault(root, "", "no such folder", expected))
+
+
+def read_bytes(path: Path, max_bytes: int, expected: str, mend: str = _AGAIN) -> bytes:
+    """Read a whole file.
+
+    Parameters
+    ----------
+    path : Path
+        From `inside`.
+    max_bytes : int
+        The size that is refused begins above.
+    expected, mend : str
+        What the file is, and what to do where it cannot be read.
+
+    Raises
+    ------
+    DatasetError
+        If it is missing, too large, or cannot be read.
+    """
+    try:
+        size = path.stat().st_size
+        if size > max_bytes:
+            raise DatasetError(Fault(path, "", f"{size} bytes", f"at most {max_bytes}"))
+        return path.read_bytes()
+    except OSError as error:
+        raise DatasetError(fault_of(error, path, expected, mend)) from error
+
+
+def open_mapped(path: Path) -> "pa.NativeFile":
+    """Open a file that is read in part; its bytes are read when they are used.
+
+    Raises
+    ------
+    OSError
+        If it cannot be opened.
+    """
+    import pyarrow as pa  # here: what reads a schema need not wait for it
+
+    return pa.memory_map(str(path))
+
+
+def is_file(path: Path) -> bool:
+    """Tell whether a file is there.
+
+    Raises
+    ------
+    DatasetError
+        If nobody may look.
+    """
+    try:
+        return path.is_file()
+    except OSError as error:
+        raise DatasetError(fault_of(error, path, "a file that can be read")) from None
+
+
+def find(root: Path, folder: Path | str, pattern: str) -> list[Path]:
+    """Find files and folders below a folder of a dataset.
+
+    Parameters
+    ----------
+    root : Path
+        The dataset.
+    folder : str or path
+        Relative to it; there need not be one.
+    pattern : str
+        Such as ``chunk-*/file-*.parquet`` or ``**/*.mp4``.
+
+    Returns
+    -------
+    list of Path
+        Relative to `root`, sorted.
+
+    Raises
+    ------
+    DatasetError
+        If nobody may look.
+    """
+    where = root / folder
+    try:
+        if where.is_dir():
+            next(where.iterdir(), None)  # `glob` takes a folder that is closed for an empty one
+        return sorted(path.relative_to(root) for path in where.glob(pattern))
+    except OSError as error:
+        raise DatasetError(fault_of(error, where, "a folder that can be read")) from None
+
+
+def fault_of(error: OSError, path: Path, expected: str, mend: str = _AGAIN) -> Fault:
+    """Say what the system said of a path."""
+    if isinstance(error, PermissionError):
+        return Fault(path, "", "permission denied", expected, _RIGHTS)
+    if isinstance(error, FileNotFoundError):
+        return Fault(path, "", "no such file", expected, mend)
+    return Fault(path, "", (error.strerror or str(error)).lower(), expected, mend)

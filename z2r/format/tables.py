@@ -1,0 +1,328 @@
+"""What can be read of the tables of a dataset? Everything that can, with a fault for everything that cannot.
+
+The reader of a whole dataset (`z2r.format.dataset`) wants all or nothing and stops at the first fault; the audit and
+the salvage go on. All of them read with what stands here.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import msgspec
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from z2r.arrays import Array, Columns, Ints
+from z2r.errors import DatasetError, Fault, some
+from z2r.format import rules
+from z2r.format.episodes import EpisodeTable, file_numbers, shard_paths
+from z2r.format.parquet import has_gaps, integers, open_parquet, read_columns, vectors, width
+from z2r.format.schema import BOOKKEEPING, INFO_PATH, MAX_SIGNAL_SIZE, Feature, Schema, data_file_path, read_info
+from z2r.format.store import inside, read_bytes
+
+TASKS_PATH = Path("meta/tasks.parquet")
+STATS_PATH = Path("meta/stats.json")
+EPISODE_COLUMNS = (
+    "episode_index",
+    "length",
+    "dataset_from_index",
+    "dataset_to_index",
+    "data/chunk_index",
+    "data/file_index",
+)
+STATISTICS = ("count", "min", "max", "mean", "std")
+"""Of each feature, as LeRobot names them; the quantiles, which it estimates, are left out."""
+
+_MAX_STATS_BYTES = 64 * 2**20
+
+
+class Read[T](NamedTuple):
+    """What was read, and what could not be; the faults name files relative to the dataset."""
+
+    value: T
+    faults: tuple[Fault, ...] = ()
+
+
+# --- meta/info.json
+
+
+class Stated(msgspec.Struct, frozen=True):
+    """What `meta/info.json` states beside the schema."""
+
+    total_tasks: int | None = None
+    splits: dict[str, str] | None = None
+    video_path: str | None = None
+
+
+def read_stated(root: Path) -> Read[Stated]:
+    """Read what `meta/info.json` states beside the schema, which was read before."""
+    try:
+        return Read(msgspec.json.decode(read_info(root), type=Stated))
+    except msgspec.ValidationError as error:
+        what, _, where = str(error).partition(" - at `$.")
+        fault = Fault(INFO_PATH, where.rstrip("`"), "another type", what.removeprefix("Expected "))
+        return Read(Stated(), (fault,))
+
+
+# --- the episode metadata
+
+
+class Episodes(NamedTuple):
+    """The episode metadata, as far as it can be read.
+
+    Attributes
+    ----------
+    table : EpisodeTable
+        A row for each episode; there may be none.
+    files : tuple of Path
+        The data files that are named, in the order of their numbers, relative to the dataset.
+    shards : tuple of Path
+        The shards that can be read, relative to the dataset.
+    skipped : tuple of Fault
+        Where a shard seems to be missing: their numbers do not count on.
+    """
+
+    table: EpisodeTable
+    files: tuple[Path, ...]
+    shards: tuple[Path, ...]
+    skipped: tuple[Fault, ...]
+
+
+def read_shard(path: Path) -> dict[str, Ints]:
+    """Read the columns of one metadata shard that say where its episodes are, a row for each.
+
+    Raises
+    ------
+    DatasetError
+        If the shard is unreadable, or a column is missing or does not hold whole numbers.
+    """
+    return _place_columns(open_parquet(path), path)
+
+
+def join_shards(schema: Schema, shards: Sequence[Mapping[str, Ints]]) -> tuple[EpisodeTable, tuple[Path, ...]]:
+    """Put the rows of all shards into one table, and list the data files that they name."""
+    nothing = np.array([], dtype=np.int64)
+    columns = {name: np.concatenate([nothing, *(shard[name] for shard in shards)]) for name in EPISODE_COLUMNS}
+    file_number, pointers = _count_files(columns["data/chunk_index"], columns["data/file_index"])
+    table = EpisodeTable(
+        number=columns["episode_index"],
+        start=columns["dataset_from_index"],
+        stop=columns["dataset_to_index"],
+        length=columns["length"],
+        file_number=file_number,
+    )
+    return table, tuple(data_file_path(schema, *pointer) for pointer in pointers)
+
+
+def read_episodes(root: Path, schema: Schema) -> Read[Episodes]:
+    """Read the shards of the episode metadata that can be read, with all of their columns, as LeRobot does."""
+    try:
+        paths = shard_paths(root)
+    except DatasetError as error:
+        return Read(Episodes(*join_shards(schema, []), (), ()), (error.fault.relative_to(root),))
+    skipped = tuple(_skipped_numbers([path.relative_to(root) for path in paths]))
+    faults: list[Fault] = []
+    shards: dict[Path, dict[str, Ints]] = {}
+    for path in paths:
+        relative = path.relative_to(root)
+        try:
+            parquet = open_parquet(path)
+            stored = parquet.schema_arrow.names
+            read_columns(parquet, path, stored)
+            if "tasks" not in stored:
+                faults.append(Fault(relative, "tasks", "no such column", "the tasks of each episode"))
+            shards[relative] = _place_columns(parquet, path)
+        except DatasetError as error:
+            faults.append(error.fault.relative_to(root))
+    table, files = join_shards(schema, list(shards.values()))
+    if not (skipped or faults):
+        faults += rules.some_episode(table)
+    return Read(Episodes(table, files, tuple(shards), skipped), tuple(faults))
+
+
+class ShardStatistics(NamedTuple):
+    """The statistics of each episode of a shard: what is stored for a feature, by their kind, (n_rows, size)."""
+
+    numbers: Ints
+    stored: dict[str, Columns]
+
+
+def read_shard_statistics(root: Path, shard: Path, features: Mapping[str, Feature]) -> Read[ShardStatistics]:
+    """Read the statistics that stand in a shard, which `read_episodes` found to be readable, beside its episodes."""
+    path, faults = root / shard, []
+    parquet = open_parquet(path)
+    numbers = integers(read_columns(parquet, path, ["episode_index"]), "episode_index", path)
+    stored: dict[str, Columns] = {}
+    for name, feature in features.items():
+        try:
+            stored[name] = _statistics_of(parquet, path, name, feature)
+        except DatasetError as error:
+            faults.append(error.fault.relative_to(root))
+    return Read(ShardStatistics(numbers, stored), tuple(faults))
+
+
+def _statistics_of(parquet: pq.ParquetFile, path: Path, name: str, feature: Feature) -> Columns:
+    present = parquet.schema_arrow.names
+    columns = {kind: f"stats/{name}/{kind}" for kind in STATISTICS if f"stats/{name}/{kind}" in present}
+    table = read_columns(parquet, path, list(columns.values()))
+    return {
+        kind: vectors(table, column, (1,) if kind == "count" else feature.shape, path)
+        for kind, column in columns.items()
+    }
+
+
+def _place_columns(parquet: pq.ParquetFile, path: Path) -> dict[str, Ints]:
+    table = read_columns(parquet, path, EPISODE_COLUMNS)
+    return {name: integers(table, name, path) for name in EPISODE_COLUMNS}
+
+
+def _count_files(chunk: Ints, file: Ints) -> tuple[Ints, list[tuple[int, int]]]:
+    """Count the data files in the order of their numbers: which one each row names, and what each is called."""
+    order = np.lexsort((file, chunk))
+    pointers = np.stack([chunk, file])[:, order]  # (2, n_rows)
+    begins = np.any(pointers[:, 1:] != pointers[:, :-1], axis=0)
+    number = np.empty(len(order), dtype=np.int64)
+    number[order] = np.concatenate([[0], np.cumsum(begins)])[: len(order)]
+    first = np.concatenate([[True], begins])[: len(order)]
+    return number, list(zip(*pointers[:, first].tolist(), strict=True))
+
+
+def _skipped_numbers(shards: Sequence[Path]) -> Iterator[Fault]:
+    """Shards count on within a chunk, or begin the next one."""
+    before = [0, -1]
+    for shard in shards:
+        numbers = file_numbers(shard)
+        if numbers not in ([before[0], before[1] + 1], [before[0] + 1, 0]):
+            found = f"this shard after file {before[1]} of chunk {before[0]}" if before[1] >= 0 else "this shard first"
+            expected = f"file {before[1] + 1} of chunk {before[0]}"
+            yield Fault(shard, "", found, expected, "A shard is missing: copy or download it again")
+        before = [*numbers, 0, 0][:2]
+
+
+# --- tasks and statistics
+
+
+def read_tasks(root: Path) -> Read[Ints | None]:
+    """Read the numbers of the tasks; None where they cannot be read."""
+    try:
+        tasks = _task_numbers(inside(root, TASKS_PATH))
+    except DatasetError as error:
+        return Read(None, (error.fault.relative_to(root),))
+    if not np.array_equal(np.sort(tasks), np.arange(len(tasks))) or not len(tasks):
+        found = some(tasks.tolist()) or "no task"
+        return Read(tasks, (Fault(TASKS_PATH, "task_index", found, "0, 1, 2 ..., each once"),))
+    return Read(tasks)
+
+
+def _task_numbers(path: Path) -> Ints:
+    parquet = open_parquet(path)
+    stored = parquet.schema_arrow  # the text is in the index of a pandas table, whose name may be any
+    texts = [field.name for field in stored if pa.types.is_string(field.type) or pa.types.is_large_string(field.type)]
+    table = read_columns(parquet, path, ["task_index", *texts])
+    tasks = integers(table, "task_index", path)
+    if not any(not table.column(text).null_count for text in texts):
+        raise DatasetError(Fault(path, "task", "no such column, or gaps in it", "the text of each task"))
+    return tasks
+
+
+def read_stats(root: Path) -> Read[dict[str, dict[str, Any]] | None]:
+    """Read the stored statistics of each feature, None where they cannot be read; a policy scales its input by them."""
+    expected = "the statistics of each feature"
+    try:
+        raw = read_bytes(inside(root, STATS_PATH), _MAX_STATS_BYTES, expected)
+        return Read(msgspec.json.decode(raw, type=dict[str, dict[str, Any]]))
+    except DatasetError as error:
+        return Read(None, (error.fault.relative_to(root),))
+    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
+        return Read(None, (Fault(STATS_PATH, "", f"broken JSON ({error})", expected),))
+
+
+# --- the frames of one data file
+
+
+class DataColumns(NamedTuple):
+    """What can be read of one data file.
+
+    Attributes
+    ----------
+    n_rows : int or None
+        None where the file cannot be read.
+    frames : dict of str to ndarray
+        The numeric features that are whole, each (n_rows, size); empty where there is no row.
+    present : tuple of str
+        The names of the columns.
+    dtypes : dict of str to str
+        The dtype of each numeric feature that has the shape which the schema says.
+    widths : dict of str to int
+        Of what is too wide to be read: how many numbers each row holds.
+    unreadable, misshapen, gaps : tuple of Fault
+        The file; columns that are not what the schema says; columns with NaN, infinity or nothing in a row.
+    """
+
+    n_rows: int | None
+    frames: Columns
+    present: tuple[str, ...]
+    dtypes: dict[str, str]
+    widths: dict[str, int]
+    unreadable: tuple[Fault, ...]
+    misshapen: tuple[Fault, ...]
+    gaps: tuple[Fault, ...]
+
+    @property
+    def faults(self) -> tuple[Fault, ...]:
+        """All of them, the worst first."""
+        return self.unreadable + self.misshapen + self.gaps
+
+
+def read_data_file(root: Path, schema: Schema, path: Path) -> DataColumns:
+    """Read the numeric columns of a data file; `path` is relative to `root`."""
+    try:
+        parquet = open_parquet(inside(root, path))
+        stored = parquet.schema_arrow
+        known = set(stored.names) & set(schema.features)
+        wanted = [name for name in (*schema.signals(), *BOOKKEEPING) if name in known]
+        table = read_columns(parquet, path, wanted)
+    except DatasetError as error:
+        return DataColumns(None, {}, (), {}, {}, (error.fault.relative_to(root),), (), ())
+    frames: Columns = {}
+    dtypes: dict[str, str] = {}
+    misshapen: list[Fault] = []
+    gaps: list[Fault] = []
+    for name in wanted:
+        try:
+            values = vectors(table, name, schema.features[name].shape, path)
+            _check_kind(path, name, values)
+        except DatasetError as error:
+            (gaps if has_gaps(table, name) else misshapen).append(error.fault)
+            continue
+        dtypes[name] = values.dtype.name
+        unfinite = list(rules.finite(path, name, schema.features[name], values))
+        gaps += unfinite
+        if len(table) and not unfinite:
+            frames[name] = values
+    widths = dict(_wide(schema, stored))
+    return DataColumns(len(table), frames, tuple(stored.names), dtypes, widths, (), tuple(misshapen), tuple(gaps))
+
+
+def count_rows(root: Path, path: Path) -> int | None:
+    """Return how many rows a data file has; None where it cannot be opened."""
+    try:
+        n_rows: int = open_parquet(inside(root, path)).metadata.num_rows
+    except DatasetError:
+        return None
+    return n_rows
+
+
+def _check_kind(path: Path, name: str, values: Array) -> None:
+    kinds = "iu" if name in BOOKKEEPING and name != "timestamp" else "biuf"
+    if values.dtype.kind not in kinds:
+        raise DatasetError(Fault(path, name, f"values of type {values.dtype}", "whole numbers"))
+
+
+def _wide(schema: Schema, stored: pa.Schema) -> Iterator[tuple[str, int]]:
+    for name, feature in schema.features.items():
+        if feature.size > MAX_SIGNAL_SIZE and feature.is_numeric and name in stored.names:
+            found = width(stored.field(name).type)
+            if found is not None:
+                yield name, found
