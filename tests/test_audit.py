@@ -64,7 +64,7 @@ from z2r.audits.values import jumps
 from z2r.check import Answer
 from z2r.format.tables import EPISODE_COLUMNS
 from z2r.pusht import checks as checks_module
-from z2r.pusht.checks import PushTChecks
+from z2r.pusht.scene import SCENE, PushTScene
 from z2r.pusht.task import ACTION_NAMES
 from z2r.pusht.verdict import verdict_path
 
@@ -487,7 +487,7 @@ def test_every_check_is_made_to_fail_by_some_damage():
 
 def test_a_check_is_declared_once():
     """A scene may ask what the audit asks: then both are parts of one check."""
-    checks = [part.check for part in (*audit_module.PARTS, *PushTChecks().checks)]
+    checks = [part.check for part in (*audit_module.PARTS, *SCENE.checks)]
     assert len({check.name for check in checks}) == len(set(checks)) == len(CHECKS) - 1
 
 
@@ -578,7 +578,7 @@ def test_a_check_of_what_cannot_be_read_that_fails_is_a_finding(standin_copy, mo
 
 
 def test_a_scene_that_fails_is_a_finding_and_not_the_end(monkeypatch):
-    monkeypatch.setattr(PushTChecks, "fold", lambda *_: 1 / 0)
+    monkeypatch.setattr(PushTScene, "fold", lambda *_: 1 / 0)
     audit = z2r.audit(z2r.STANDIN)
     [finding] = audit.findings
     assert (finding.check, finding.found) == (AUDIT.name, "ZeroDivisionError: division by zero")

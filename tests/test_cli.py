@@ -112,7 +112,8 @@ def test_a_dataset_of_another_robot_is_inspected_and_the_missing_reading_named(s
     path.write_text(path.read_text().replace("tee_x", "cube_x"))
     result = run("inspect", standin_copy, cwd=tmp_path)
     assert result.returncode == 0
-    assert "no reading for success" in result.stdout
+    assert "reached: unknown" in result.stdout
+    assert "needs: tee_x" in result.stdout
     assert "cube_x" in result.stdout
     assert (tmp_path / "z2r-out/inspect.rrd").exists()
 

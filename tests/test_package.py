@@ -178,7 +178,7 @@ def test_the_example_in_the_readme_runs():
     names: dict[str, object] = {}
     exec(example, names)
     assert len(names["pos_err"]) == z2r.load(z2r.STANDIN).episodes.lengths[0]
-    assert z2r.episode_reached(names["first"], z2r.PUSHT, names["dataset"].schema)
+    assert z2r.episode_reached(names["decoded"])
 
 
 def test_what_colab_has_preinstalled_is_admitted():

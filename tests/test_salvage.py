@@ -153,4 +153,6 @@ def test_the_error_of_inspect_says_what_can_still_be_read(copy, tmp_path):
     metrics = json.loads(salvaged.stdout)
     assert metrics["episode_numbers"] == [0, 1, 2, 3]
     assert len(metrics["left_out"]) == 1
+    assert not (tmp_path / "out/inspect.rrd").is_file()  # --json writes none unless it is asked for
+    assert run("inspect", copy, "--salvage", "--out", "out", cwd=tmp_path).returncode == 0
     assert (tmp_path / "out/inspect.rrd").is_file()

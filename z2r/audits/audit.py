@@ -269,7 +269,7 @@ def _meaning_not_checked(claims: Claims, sums: Sequence[FileSums], scene: Scene 
         yield "whether an action is possible, and whether it does what it says: nothing states its limits"
         yield "success: nothing says what it would be"
     elif scene is None:
-        yield "solid bodies and limits: the reading has no scene"
+        yield "solid bodies, limits, and whether the action does what it says: the reading has no scene"
     elif not _has_scene(sums):
         yield "solid bodies and limits: columns that the scene needs are not there, or cannot be used in some file"
     else:
