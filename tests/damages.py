@@ -1564,7 +1564,9 @@ ON_VALUES: dict[str, Damage] = {
         lambda root: exchange_names(root, ("pusher_x", "tee_x"), ("pusher_y", "tee_y")), "action-motion overlap", "data"
     ),
     "names: tee and target": Damage(
-        lambda root: exchange_names(root, *((name, name.replace("tee", "target")) for name in z2r.PUSHT.poses["tee"].names)),
+        lambda root: exchange_names(
+            root, *((name, name.replace("tee", "target")) for name in z2r.PUSHT.poses["tee"].names)
+        ),
         "overlap",
         DATA,
     ),

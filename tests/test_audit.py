@@ -10,7 +10,6 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -52,6 +51,7 @@ from layouts import (
     shard_files,
     write_dataset,
 )
+from msgspec.structs import replace
 
 import z2r
 from z2r import Feature
@@ -615,16 +615,23 @@ def test_a_dataset_without_an_action_or_a_state_is_audited(feature, standin_copy
 
 
 def test_a_reading_without_a_scene_says_what_nobody_looked_at(standin_copy):
-    audit = audit_module.audit(standin_copy)
+    audit = z2r.audit(standin_copy, reading=replace(z2r.PUSHT, scene=None))
     assert not audit.findings
     assert any("the reading has no scene" in line for line in audit.not_checked)
     assert "PushT" not in " ".join(audit.not_checked)
+    nothing = audit_module.audit(standin_copy)
+    assert not nothing.findings
+    assert any("no reading fits" in line for line in nothing.not_checked)
 
 
-def test_a_scene_is_of_the_columns_that_it_knows():
+def test_a_scene_is_named_by_its_reading_and_has_bodies_that_the_reading_must_have():
     assert scene_of(z2r.PUSHT) is not None
-    assert scene_of(replace(z2r.PUSHT, ang_tol=0.1)) is not None
-    assert scene_of(replace(z2r.PUSHT, pusher=("hand_x", "hand_y"))) is None
+    assert scene_of(z2r.PUSHT.with_goal("ang_err", within=0.1)) is not None
+    assert scene_of(replace(z2r.PUSHT, scene=None)) is None
+    with pytest.raises(ValueError, match="expected one of pusht"):
+        scene_of(replace(z2r.PUSHT, scene="kitchen"))
+    with pytest.raises(ValueError, match="pusher"):
+        scene_of(replace(z2r.PUSHT, poses={name: z2r.PUSHT.poses[name] for name in ("tee", "target")}))
 
 
 def test_a_dataset_is_audited_where_it_lies():

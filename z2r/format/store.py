@@ -132,7 +132,7 @@ def find(root: Path, folder: Path | str, pattern: str) -> list[Path]:
     folder : str or path
         Relative to it; there need not be one.
     pattern : str
-        Such as ``chunk-*/file-*.parquet`` or ``**/*.mp4``.
+        Such as ``chunk-*/file-*.parquet`` or ``**/*.mp4``: a folder, and files in it.
 
     Returns
     -------
@@ -146,11 +146,12 @@ def find(root: Path, folder: Path | str, pattern: str) -> list[Path]:
     """
     where = root / folder
     try:
-        if where.is_dir():
-            next(where.iterdir(), None)  # `glob` takes a folder that is closed for an empty one
+        for each in (where, *where.glob(str(Path(pattern).parent))):
+            if each.is_dir():
+                next(each.iterdir(), None)  # `glob` takes a folder that is closed for an empty one
         return sorted(path.relative_to(root) for path in where.glob(pattern))
     except OSError as error:
-        raise DatasetError(fault_of(error, where, "a folder that can be read")) from None
+        raise DatasetError(fault_of(error, Path(error.filename or where), "a folder that can be read")) from None
 
 
 def fault_of(error: OSError, path: Path, expected: str, mend: str = _AGAIN) -> Fault:

@@ -1,9 +1,9 @@
 """Is the reading right? Checks that need no label: what solid bodies, an action and time can do and cannot.
 
-Each data file is folded into sums (`FileSums`); what those of all files say is asked at the end.
+Each data file is folded into sums (`PushTSums`); what those of all files say is asked at the end.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -46,7 +46,7 @@ class Worst(NamedTuple):
     frame: int = 0
 
 
-class FileSums(NamedTuple):
+class PushTSums(NamedTuple):
     """What is kept of one data file; the numbers of frames count over the whole dataset."""
 
     n_frames: int
@@ -64,7 +64,7 @@ class FileSums(NamedTuple):
     last: Floats
 
 
-def fold_file(decoded: Decoded, base: int, episodes: EpisodeIndex, fps: float) -> FileSums | None:
+def fold_file(decoded: Decoded, base: int, episodes: EpisodeIndex, fps: float) -> PushTSums | None:
     """Sum up the frames of one data file, of which the first is frame `base`; None where they have no action."""
     n, action, meaning = len(decoded), decoded.action, decoded.reading.action
     if action is None or meaning is None:
@@ -81,7 +81,7 @@ def fold_file(decoded: Decoded, base: int, episodes: EpisodeIndex, fps: float) -
     free = _away_from_walls(pusher)
     fastest = np.abs(action).max(axis=1)
     turned = np.abs(offset[:, 2])
-    return FileSums(
+    return PushTSums(
         n_frames=n,
         overlap=_worst(depth, depth > LIMIT, base),
         beyond_limit=_worst(fastest, fastest > ACTION_LIMIT * (1 + 1e-6), base),
@@ -101,7 +101,7 @@ def fold_file(decoded: Decoded, base: int, episodes: EpisodeIndex, fps: float) -
 @Check("action-range", "no action is beyond what the robot can do", "warning").of(SceneSums)
 def action_range(scene: SceneSums) -> Iterator[Answer]:
     """Is every action within the limits of the environment?"""
-    worst, path = _worst_of(scene, "beyond_limit")
+    worst, path = _worst_of(scene, lambda sums: sums.beyond_limit)
     if worst.times:
         found = f"{worst.value:.3g} m/s ({worst.times:,} frames like it)"
         yield Fault(path, f"action of frame {worst.frame}", found, f"at most {ACTION_LIMIT} m/s")
@@ -110,7 +110,7 @@ def action_range(scene: SceneSums) -> Iterator[Answer]:
 @Check("overlap", "solid bodies stay apart", "error").of(SceneSums)
 def bodies_stay_apart(scene: SceneSums) -> Iterator[Answer]:
     """A hard push sinks in for a moment: it takes many frames, or a depth that no push reaches."""
-    worst, path = _worst_of(scene, "overlap")
+    worst, path = _worst_of(scene, lambda sums: sums.overlap)
     if worst.value > 2 * LIMIT or worst.times > _OFTEN * sum(each.n_frames for each in scene.sums):
         yield Fault(
             path,
@@ -136,7 +136,7 @@ LEAP = Check("leap", "nothing leaps inside an episode, and something does where 
 def nothing_leaps_inside_an_episode(scene: SceneSums) -> Iterator[Answer]:
     """Where the action does not say what moves, only a long leap counts."""
     moves_oddly = any(True for _ in _motion_faults(scene))
-    worst, path = _worst_of(scene, "long_leaps" if moves_oddly else "leaps")
+    worst, path = _worst_of(scene, lambda sums: sums.long_leaps if moves_oddly else sums.leaps)
     if worst.times:
         yield Fault(
             path,
@@ -150,7 +150,7 @@ def nothing_leaps_inside_an_episode(scene: SceneSums) -> Iterator[Answer]:
 @LEAP.of(SceneSums)
 def something_leaps_where_an_episode_ends(scene: SceneSums) -> Iterator[Answer]:
     """Does a new episode begin anew?"""
-    worst, path = _worst_of(scene, "seams")
+    worst, path = _worst_of(scene, lambda sums: sums.seams)
     if worst.times:
         found = f"motion that runs straight on ({worst.times:,} like it)"
         mend = "The motion has no boundary here: is the index off by a frame, or one episode cut in two?"
@@ -160,7 +160,7 @@ def something_leaps_where_an_episode_ends(scene: SceneSums) -> Iterator[Answer]:
 @FROZEN.of(SceneSums)
 def the_pusher_is_not_stuck(scene: SceneSums) -> Iterator[Answer]:
     """Does the pusher move where it is asked to?"""
-    worst, path = _worst_of(scene, "stuck")
+    worst, path = _worst_of(scene, lambda sums: sums.stuck)
     if worst.times:
         found = f"the pusher at the very same place for {worst.value + 1:.0f} frames"
         expected = "motion, for the action asks for it"
@@ -170,7 +170,7 @@ def the_pusher_is_not_stuck(scene: SceneSums) -> Iterator[Answer]:
 @Check("yaw-error", "no error in yaw is more than half a turn", "error").of(SceneSums)
 def yaw_error(scene: SceneSums) -> Iterator[Answer]:
     """Is the difference of two yaws wrapped?"""
-    worst, path = _worst_of(scene, "half_turns")
+    worst, path = _worst_of(scene, lambda sums: sums.half_turns)
     if worst.times:
         found = f"{worst.value:.2f} rad ({worst.times:,} frames like it)"
         mend = "Wrap the difference of two angles into one turn"
@@ -261,9 +261,9 @@ def _motion_faults(scene: SceneSums) -> Iterator[Answer]:
     return motion_faults(_all_parts(scene.sums), np.concatenate([each.motion for each in scene.sums]))
 
 
-def _worst_of(scene: SceneSums, name: str) -> tuple[Worst, Path]:
+def _worst_of(scene: SceneSums, which: Callable[[PushTSums], Worst]) -> tuple[Worst, Path]:
     """Return the worst of all files, how often it is so in all of them together, and the file that holds it."""
-    worst: list[Worst] = [getattr(each, name) for each in scene.sums]
+    worst = [which(each) for each in scene.sums]
     place = max(range(len(worst)), key=lambda number: (worst[number].times > 0, worst[number].value))
     return worst[place]._replace(times=sum(each.times for each in worst)), scene.paths[place]
 
@@ -336,11 +336,11 @@ def _worst(values: Floats, wrong: Bools, first_frame: int) -> Worst:
     return Worst(int(wrong.sum()), float(values[row]), first_frame + row)
 
 
-def _all_parts(sums: Sequence[FileSums]) -> Ints:
+def _all_parts(sums: Sequence[PushTSums]) -> Ints:
     return np.concatenate([each.episode for each in sums])
 
 
-def _decisive(sums: Sequence[FileSums], reading: Reading) -> Floats:
+def _decisive(sums: Sequence[PushTSums], reading: Reading) -> Floats:
     """Offset from the target in the decisive frame of each episode; of one in several files, the part that holds it."""
     parts = _all_parts(sums)
     if reading.decisive == "first":
