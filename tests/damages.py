@@ -40,6 +40,7 @@ STATE = "observation.state"
 NAMES = {STATE: STATE_NAMES, "action": ACTION_NAMES}
 SIN_COS = ("sin_tee_yaw", "cos_tee_yaw")
 TARGET_SIN_COS = ("sin_target_yaw", "cos_target_yaw")
+TEE_COLUMNS = ("tee_x", "tee_y", *SIN_COS)
 POSITIONS = ("pusher_x", "pusher_y", "tee_x", "tee_y", "target_x", "target_y")
 
 

@@ -1,5 +1,6 @@
 """Every damage of the bench is named by the audit, none is silent, and nothing is said of a dataset that is whole."""
 
+import dataclasses
 import json
 import multiprocessing
 import os
@@ -553,7 +554,9 @@ def break_check(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
         raise KeyError("typo")
         yield
 
-    parts = tuple(replace(part, run=fail) if part.check.name == name else part for part in audit_module.PARTS)
+    parts = tuple(
+        dataclasses.replace(part, run=fail) if part.check.name == name else part for part in audit_module.PARTS
+    )
     monkeypatch.setattr(audit_module, "PARTS", parts)
 
 
