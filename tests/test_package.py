@@ -172,6 +172,23 @@ def test_the_lock_names_no_registry_and_how_it_was_made():
     assert locked >= requirements(*PROJECT["optional-dependencies"])
 
 
+def test_the_map_in_the_readme_is_whole():
+    readme = (PACKAGE.parent / "README.md").read_text()
+    rows = {row[1]: row[0] for row in re.findall(r"(?m)^(\| `z2r/(\w+)(?:/|\.py)`.*)$", readme)}
+    for module in SOURCES:
+        folder, _, rest = module.partition(".")
+        assert folder in rows or folder in ("arrays", "check"), f"{folder} is not in the README's map"
+        if rest:
+            assert f"`{rest.split('.')[0]}" in rows[folder], f"{module} is not in the README's map"
+
+
+def test_the_reading_in_the_readme_reads_an_arm(tmp_path):
+    readme = (PACKAGE.parent / "README.md").read_text()
+    [text] = re.findall("```toml\n(.*?)```", readme, re.DOTALL)
+    (tmp_path / "pick.toml").write_text(text)
+    assert z2r.read_reading(tmp_path / "pick.toml").goal[0].value == "gripper.pos"
+
+
 def test_the_example_in_the_readme_runs():
     readme = (PACKAGE.parent / "README.md").read_text()
     [example] = re.findall("```python\n(.*?)```", readme, re.DOTALL)

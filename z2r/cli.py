@@ -178,30 +178,22 @@ def inspect(
     - `z2r inspect --break yaw-swap` reads it wrong, to show what that looks like
     - `rerun z2r-out/inspect.rrd` replays what was read
     """
-    from z2r.api import choose_reading, inspect_dataset
-    from z2r.show.terminal import console, left_out, progress, summary
+    from z2r.show.terminal import console
 
     with_replay = _can_replay(rerun, otherwise=not (smoke or as_json))
+    wanted = _Wanted(episodes or _SHIPPED_EPISODES, seed or 0, _SMOKE_STEPS if smoke else MAX_STEPS)
     afresh = smoke or seed is not None
     if dataset and afresh:
         raise click.UsageError("--seed and --smoke record afresh: leave DATASET out, or leave them out")
-    steps = _SMOKE_STEPS if smoke else MAX_STEPS
-    wanted = _Wanted(episodes or _SHIPPED_EPISODES, seed or 0, steps)
     root = _record_afresh(out, wanted, quiet=as_json) if afresh else find_dataset(dataset)
     title = "recorded afresh" if afresh else root.resolve().name
-    data, lost = _load(root, salvaged=salvage)
     _refuse_inside(root, out)
-    data = _first(data, episodes)
+    data, lost = _load(root, salvaged=salvage)
     screen = console(as_json)
-    reading = _fitting(reading, data.schema) or choose_reading(data.schema)
-    _announce(screen, "inspect" if with_replay else "inspect --no-rerun", data)
-    _say_what_is_wrong(screen, mode, reading)
-    with progress("reading", "frames", as_json) as move, _way_out(root, salvaged=salvage):
-        inspection = inspect_dataset(data, mode, reading, move, keep=_REPLAY_FRAMES if with_replay else 0)
+    with _way_out(root, salvaged=salvage):
+        inspection = _inspect(_first(data, episodes), reading, mode, screen, with_replay=with_replay)
     metrics = _write_metrics(inspection, title, root, out, lost if salvage else None)
-    screen.print(summary(inspection, title))
-    if salvage:
-        screen.print(left_out(lost))
+    _say_what_was_found(screen, inspection, title, lost if salvage else None)
     screen.print(f"wrote {out / 'metrics.json'}", soft_wrap=True)
     if with_replay:
         _write_replay(inspection, out / "inspect.rrd", screen)
@@ -209,6 +201,33 @@ def inspect(
         screen.print(_NO_REPLAY, soft_wrap=True)
     if as_json:
         sys.stdout.buffer.write(metrics)
+
+
+def _inspect(
+    dataset: "Dataset",
+    reading: "Reading | None",
+    mode: BreakMode | None,
+    screen: "Console",
+    *,
+    with_replay: bool,
+) -> "Inspection":
+    """Read a dataset; say before it how long that takes, and what is read wrong."""
+    from z2r.api import choose_reading, inspect_dataset
+    from z2r.show.terminal import progress
+
+    reading = _fitting(reading, dataset.schema) or choose_reading(dataset.schema)
+    _announce(screen, "inspect" if with_replay else "inspect --no-rerun", dataset)
+    _say_what_is_wrong(screen, mode, reading)
+    with progress("reading", "frames", screen.quiet) as move:
+        return inspect_dataset(dataset, mode, reading, move, keep=_REPLAY_FRAMES if with_replay else 0)
+
+
+def _say_what_was_found(screen: "Console", inspection: "Inspection", title: str, lost: tuple[str, ...] | None) -> None:
+    from z2r.show.terminal import left_out, summary
+
+    screen.print(summary(inspection, title))
+    if lost is not None:
+        screen.print(left_out(lost))
 
 
 def _refuse_inside(root: Path, out: Path) -> None:
