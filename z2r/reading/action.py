@@ -1,0 +1,468 @@
+"""What is an action? Which column of the state it drives, as a target or as a change, in which unit, how much later.
+
+Nothing is declared and nothing is guessed: every dimension of the action is held against every column that was
+observed, as the place where that column will be so many frames ahead (a *target*), and as its *change* from one frame
+to the next. What explains the action best is the answer, if it explains it well, in both halves of the sample, and
+better than all else; otherwise the answer is why it cannot be decided.
+
+A *step* is a change in a frame, a *velocity* a change in a second. At one frame ahead both fit alike, so which of them
+it is can only be told by the factor: where one of the two is a factor between units (1, 180/pi, 1000 ...) and the other
+is not.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from math import pi
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from z2r.arrays import Bools, Columns, Floats, Ints
+from z2r.format.episodes import EpisodeIndex
+from z2r.format.schema import ACTION, Schema
+
+MAX_AHEAD = 15  # frames: an answer farther ahead is not given
+_WINDOW = 20  # frames: looked at a little beyond that, so that an end of the window is seen as one
+_LONG = 5  # frames: over as many, a change stands out from the noise of a sensor
+_OVER = 2  # frames at least, of a change that takes several
+_MIN_FRAMES = 60  # from fewer nothing is said
+_MAX_COLUMNS = 256  # of the state
+
+_HOLDS = 0.7  # share of an action's variance that must be explained, in each half of the sample
+_CLEARLY = 1.5  # times as much must be left unexplained by anything else
+_ALIKE = 1.1  # times as much unexplained: these frames ahead fit as well
+_NEAR, _FAR = 0.08, 0.15  # off by less, a factor is one between units; by more, it is none
+
+# What a factor between units says: so many of the action's are one of the state's.
+_FACTORS: dict[float, str] = {
+    1.0: "the same unit",
+    180 / pi: "degrees for radians",
+    pi / 180: "radians for degrees",
+    1000.0: "thousandths",
+    0.001: "thousands",
+    100.0: "hundredths",
+    0.01: "hundreds",
+}
+
+type Kind = Literal["target", "step", "velocity", "step or velocity", "unknown"]
+
+
+class Fit(NamedTuple):
+    """One explanation of one dimension of the action.
+
+    Attributes
+    ----------
+    way : str
+        ``target``, or one of the ways of a change: ``change``, ``long change`` or ``over``.
+    column : int
+        Which column of the state.
+    ahead : int
+        How many frames ahead that column is there, or has changed.
+    explained : float
+        Share of the action's variance that it explains, in [0, 1].
+    factor : float
+        How many of the action's units are one of the column's; a change counts in a frame. Negative where the signs are
+        opposite.
+    offset : float
+        What the action is where the column, or its change, is 0.
+    """
+
+    way: str
+    column: int
+    ahead: int
+    explained: float
+    factor: float
+    offset: float
+
+    @property
+    def unexplained(self) -> float:
+        """Share of the action's variance that it leaves unexplained, in [0, 1]."""
+        return 1 - self.explained
+
+
+@dataclass(frozen=True)
+class DrivenColumn:
+    """What one dimension of the action is, with the evidence.
+
+    Attributes
+    ----------
+    name : str
+        The dimension of the action.
+    kind : str
+        ``target``, ``step``, ``velocity``, ``step or velocity``, or ``unknown`` where the data cannot decide.
+    column : str or None
+        The column of the state that it drives, as a reading names it.
+    ahead : int or None
+        How many frames ahead.
+    alike : tuple of int
+        All numbers of frames ahead that fit about as well, in order.
+    factor : float or None
+        How many of the action's units are one of the column's; of a velocity, a second. Negative where signs are opposite.
+    unit : str
+        What that factor is between units; empty where it is none.
+    explained : float
+        Share of the action's variance that is explained, in [0, 1].
+    within : float or None
+        In 99 % of the frames, the action is no farther from what the column says, in the unit of the action.
+    copied : bool
+        Whether it is the state so many frames ahead, bit for bit.
+    next_best : str
+        The best other explanation, and how much of the variance that explains.
+    evidence : str
+        All of it in a sentence; where nothing is decided, why.
+    """
+
+    name: str
+    kind: Kind
+    evidence: str
+    column: str | None = None
+    ahead: int | None = None
+    alike: tuple[int, ...] = ()
+    factor: float | None = None
+    unit: str = ""
+    explained: float = 0.0
+    within: float | None = None
+    copied: bool = False
+    next_best: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class ActionSample:
+    """Frames from which it is told what an action is: stretches of episodes, side by side.
+
+    Attributes
+    ----------
+    action : ndarray, float64[n_frames, n_dims]
+    state : ndarray, float64[n_frames, n_columns]
+        Every column that was observed.
+    stretch : ndarray, int64[n_frames]
+        Which stretch a frame is in: only inside of one does time run on.
+    names : tuple of str
+        Of the dimensions of the action.
+    columns : tuple of str
+        Of the state, as a reading names them.
+    fps : float
+        Frames a second.
+    """
+
+    action: Floats
+    state: Floats
+    stretch: Ints
+    names: tuple[str, ...]
+    columns: tuple[str, ...]
+    fps: float
+    _pairs: dict[int, Ints] = field(default_factory=dict)
+
+    def starts(self, ahead: int) -> Ints:
+        """Return the frames that have a frame so far ahead in their own stretch, int64[n]."""
+        if ahead not in self._pairs:
+            last = len(self.stretch) - ahead
+            same = self.stretch[: max(last, 0)] == self.stretch[ahead:]
+            self._pairs[ahead] = np.flatnonzero(same)
+        return self._pairs[ahead]
+
+
+def infer_action(sample: ActionSample) -> tuple[DrivenColumn, ...]:
+    """Say of every dimension of the action what it is, from the data alone.
+
+    Parameters
+    ----------
+    sample : ActionSample
+        Some thousand frames are plenty.
+
+    Returns
+    -------
+    tuple of DrivenColumn
+        One for each dimension of the action.
+    """
+    if not len(sample.names):
+        return ()
+    if len(sample.starts(_LONG)) < _MIN_FRAMES:
+        why = f"cannot be decided: {len(sample.stretch):,} frames are too few"
+        return tuple(DrivenColumn(name, "unknown", f"{name} {why}") for name in sample.names)
+    moves = np.ptp(sample.state, axis=0) > 0
+    table = list(_fits(sample, np.flatnonzero(moves)))
+    return tuple(_answer(sample, dim, table) for dim in range(len(sample.names)))
+
+
+class _Fits(NamedTuple):
+    """All explanations of one way and one number of frames ahead; arrays are (n_dims, n_columns)."""
+
+    way: str
+    ahead: int
+    columns: Ints
+    explained: Floats
+    factor: Floats
+    offset: Floats
+
+
+def _fits(sample: ActionSample, columns: Ints) -> Iterator[_Fits]:
+    """Hold all dimensions of the action against all columns that move, in every way and so many frames ahead."""
+    for way, ahead in _hypotheses():
+        asked, seen = _pairs(sample, way, ahead, columns)
+        if len(asked) >= _MIN_FRAMES // 2:
+            yield _Fits(way, ahead, columns, *_regress(asked, seen))
+
+
+def _hypotheses() -> Iterator[tuple[str, int]]:
+    yield from (("target", ahead) for ahead in range(_WINDOW + 1))
+    yield from ((way, ahead) for way in ("change", "long change") for ahead in range(_WINDOW + 1))
+    yield from (("over", ahead) for ahead in range(_OVER, _WINDOW + 1))
+
+
+def _pairs(sample: ActionSample, way: str, ahead: int, columns: Ints | slice) -> tuple[Floats, Floats]:
+    """Return the action of some frames, and what one explanation holds against it: (n, n_dims) and (n, n_columns)."""
+    state = sample.state[:, columns]
+    if way == "target":
+        now = sample.starts(ahead)
+        return sample.action[now], state[now + ahead]
+    if way == "over":
+        now = sample.starts(ahead)
+        return sample.action[now], state[now + ahead] - state[now]
+    n = _LONG if way == "long change" else 1
+    first = sample.starts(ahead + n - 1 if ahead else n)  # the change ends `ahead` frames ahead, or begins a frame ago
+    if not ahead:
+        first = first[first > 0]
+        first = first[sample.stretch[first - 1] == sample.stretch[first]]
+    asked = np.mean([sample.action[first + i] for i in range(n)], axis=0)
+    return asked, (state[first + ahead - 1 + n] - state[first + ahead - 1]) / n
+
+
+def _regress(asked: Floats, seen: Floats) -> tuple[Floats, Floats, Floats]:
+    """Fit every dimension of the action to every column: share explained, factor and offset, (n_dims, n_columns).
+
+    The command is exact and what it brings about is noisy, so the column is explained by the action and not the other
+    way round: noise would make the factor smaller than it is.
+    """
+    mean_a, mean_s = asked.mean(axis=0), seen.mean(axis=0)
+    a, s = asked - mean_a, seen - mean_s
+    both = a.T @ s / len(a)  # (n_dims, n_columns)
+    var_a, var_s = np.square(a).mean(axis=0)[:, None], np.square(s).mean(axis=0)[None]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        explained = np.nan_to_num(np.square(both) / (var_a * var_s))
+        factor = np.where(both == 0, 0.0, var_a / both)
+        offset = mean_a[:, None] - factor * mean_s[None]
+    return explained, factor, offset
+
+
+def _answer(sample: ActionSample, dim: int, table: Sequence[_Fits]) -> DrivenColumn:
+    name = sample.names[dim]
+    if np.ptp(sample.action[:, dim]) == 0:
+        return DrivenColumn(name, "unknown", f"{name} cannot be decided: it never changes")
+    fits = [fit for each in table for fit in _best_of(each, dim)]
+    if not fits:
+        return DrivenColumn(name, "unknown", f"{name} cannot be decided: no column of the state moves")
+    best = max(fits, key=lambda fit: fit.explained)
+    rival = _rival(best, fits)
+    if why := _why_undecided(sample, dim, best, fits, rival):
+        found = f"{name} cannot be decided: {why}"
+        return DrivenColumn(name, "unknown", found, explained=best.explained, next_best=_said(sample, rival))
+    return _decided(sample, dim, best, fits, rival)
+
+
+def _best_of(fits: _Fits, dim: int) -> Iterator[Fit]:
+    """Yield the fits of one dimension; of many columns, the two that explain it best."""
+    for place in np.argsort(-fits.explained[dim])[:2].tolist():
+        numbers = (float(each[dim, place]) for each in (fits.explained, fits.factor, fits.offset))
+        yield Fit(fits.way, int(fits.columns[place]), fits.ahead, *numbers)
+
+
+def _is_target(fit: Fit) -> bool:
+    return fit.way == "target"
+
+
+def _rival(best: Fit, fits: Sequence[Fit]) -> Fit | None:
+    """Return the best explanation that says something else: another column, or a change for a target."""
+    others = [fit for fit in fits if fit.column != best.column or _is_target(fit) != _is_target(best)]
+    return max(others, key=lambda fit: fit.explained, default=None)
+
+
+def _why_undecided(sample: ActionSample, dim: int, best: Fit, fits: Sequence[Fit], rival: Fit | None) -> str:
+    """Say why the best explanation will not do; empty where it will."""
+    if best.explained < _HOLDS:
+        return f"nothing that was observed explains more than {best.explained:.0%} of it"
+    halves = _explained_in_halves(sample, dim, best)
+    if halves.min() < _HOLDS:
+        return f"{_said(sample, best)}, but only {halves.min():.0%} in half of the frames"
+    if rival and rival.unexplained < _CLEARLY * best.unexplained + 1e-9 and not _is_copied(sample, dim, best):
+        return f"{_said(sample, best)}, and {_said(sample, rival)}"
+    if best.ahead > MAX_AHEAD + 1:
+        return f"{_said(sample, best)}, and more so the farther ahead: what it does lies beyond the {MAX_AHEAD} frames"
+    return ""
+
+
+def _explained_in_halves(sample: ActionSample, dim: int, fit: Fit) -> Floats:
+    """Say how much of the action each half of the sample explains, with what the other half says, float64[2]."""
+    asked, seen = _pairs(sample, fit.way, fit.ahead, slice(fit.column, fit.column + 1))
+    a, s = asked[:, dim], seen[:, 0]
+    first = np.arange(len(a)) < len(a) // 2
+    return np.array([_explained_by(a, s, first), _explained_by(a, s, ~first)])
+
+
+def _explained_by(asked: Floats, seen: Floats, known: Bools) -> float:
+    """Fit on the known frames, and say how much of the variance of the others is explained, at most 1."""
+    _, factor, offset = _regress(asked[known, None], seen[known, None])
+    left = asked[~known] - factor[0, 0] * seen[~known] - offset[0, 0]
+    # What a column does not tell of the action is compared with how far the action goes at all.
+    spread = np.square(asked[~known] - asked.mean()).mean()
+    return float(1 - np.square(left).mean() / spread) if spread else 0.0
+
+
+def _is_copied(sample: ActionSample, dim: int, fit: Fit) -> bool:
+    if not _is_target(fit):
+        return False
+    asked, seen = _pairs(sample, fit.way, fit.ahead, slice(fit.column, fit.column + 1))
+    return bool(np.array_equal(asked[:, dim], seen[:, 0]))
+
+
+def _decided(sample: ActionSample, dim: int, best: Fit, fits: Sequence[Fit], rival: Fit | None) -> DrivenColumn:
+    kind, factor, unit = _kind(best, sample.fps)
+    alike = [fit for fit in fits if fit.way == best.way and fit.column == best.column]
+    limit = _ALIKE * best.unexplained + 1e-9
+    ahead = tuple(sorted(fit.ahead for fit in alike if fit.unexplained <= limit))
+    asked, seen = _pairs(sample, best.way, best.ahead, slice(best.column, best.column + 1))
+    off = np.abs(asked[:, dim] - best.factor * seen[:, 0] - best.offset)
+    answer = DrivenColumn(
+        name=sample.names[dim],
+        kind=kind,
+        evidence="",
+        column=sample.columns[best.column],
+        ahead=best.ahead,
+        alike=ahead,
+        factor=factor,
+        unit=unit,
+        explained=best.explained,
+        within=float(np.quantile(off, 0.99)),
+        copied=_is_copied(sample, dim, best),
+        next_best=_said(sample, rival),
+    )
+    return _with_evidence(answer, best.offset, asked[:, dim])
+
+
+def _kind(fit: Fit, fps: float) -> tuple[Kind, float, str]:
+    """Tell a step from a velocity by the factor, and return the factor as that kind has it, with what it is."""
+    if _is_target(fit):
+        return "target", fit.factor, _unit(fit.factor)
+    in_a_second = fit.factor / fps
+    if _unit(fit.factor) and _is_no_unit(in_a_second):
+        return "step", fit.factor, _unit(fit.factor)
+    if _unit(in_a_second) and _is_no_unit(fit.factor):
+        return "velocity", in_a_second, _unit(in_a_second)
+    return "step or velocity", fit.factor, ""
+
+
+def _unit(factor: float) -> str:
+    """Say what a factor is between units; empty where it is none."""
+    near = (said for known, said in _FACTORS.items() if abs(abs(factor) / known - 1) < _NEAR)
+    return next(near, "")
+
+
+def _is_no_unit(factor: float) -> bool:
+    return all(abs(abs(factor) / known - 1) > _FAR for known in _FACTORS)
+
+
+def _said(sample: ActionSample, fit: Fit | None) -> str:
+    """Say what an explanation explains, in short."""
+    if fit is None:
+        return ""
+    what = "as a target" if _is_target(fit) else "as a change"
+    return f"{sample.columns[fit.column]} {what}, {_frames(fit.ahead)}, explains {fit.explained:.1%}"
+
+
+def _frames(ahead: int) -> str:
+    return f"{ahead} frame{'' if ahead == 1 else 's'} ahead"
+
+
+def _with_evidence(answer: DrivenColumn, offset: float, asked: Floats) -> DrivenColumn:
+    from dataclasses import replace
+
+    ahead = answer.ahead or 0
+    where = _frames(ahead)
+    if len(answer.alike) > 1 and (answer.alike[0] < ahead - 1 or answer.alike[-1] > ahead + 1):
+        where = f"{answer.alike[0]} to {answer.alike[-1]} frames ahead, which all fit alike"
+    what = "target" if answer.kind == "target" else answer.kind
+    said = f"{answer.name} is the {what} of {answer.column}, {where}"
+    if answer.copied:
+        return replace(answer, evidence=f"{said}: its very copy, bit for bit")
+    factor = answer.factor or 0.0
+    signs = ", with the opposite sign" if factor < 0 else ""
+    units = f", {answer.unit}" if answer.unit and answer.unit != "the same unit" else ""
+    scale = "" if answer.unit else f", {abs(factor):.4g} for 1"
+    beside = f", off by {offset:.3g}" if answer.kind == "target" and abs(offset) > 0.1 * float(np.ptp(asked)) else ""
+    return replace(
+        answer, evidence=f"{said}{units}{scale}{signs}{beside}, within {answer.within:.3g} in 99 % of frames"
+    )
+
+
+def sample_windows(episodes: EpisodeIndex, max_frames: int = 40_000, longest: int = 400) -> EpisodeIndex:
+    """Choose stretches of episodes, evenly over a dataset, from which an action can be told.
+
+    Parameters
+    ----------
+    episodes : EpisodeIndex
+        Where episodes end.
+    max_frames : int, optional
+        All of them where they are no more; else about as many, in stretches of at most `longest` frames.
+    longest : int, optional
+        Frames.
+
+    Examples
+    --------
+    >>> index = EpisodeIndex(from_index=np.array([0, 3]), to_index=np.array([3, 8]))
+    >>> sample_windows(index).to_index.tolist(), sample_windows(index, max_frames=4, longest=2).from_index.tolist()
+    ([3, 8], [0, 5])
+    """
+    if episodes.n_frames <= max_frames:
+        return episodes
+    n_windows = -(-episodes.lengths // longest)
+    place = np.repeat(np.arange(len(episodes)), n_windows)
+    inner = np.arange(len(place)) - np.repeat(np.cumsum(n_windows) - n_windows, n_windows)
+    start = episodes.from_index[place] + longest * inner
+    stop = np.minimum(start + longest, episodes.to_index[place])
+    step = -(-int((stop - start).sum()) // max_frames)
+    return EpisodeIndex(start[::step], stop[::step], episodes.numbers[place[::step]])
+
+
+def sample_of(frames: Columns, windows: EpisodeIndex, schema: Schema) -> ActionSample:
+    """Put together what an action is told from.
+
+    Parameters
+    ----------
+    frames : dict of str to ndarray
+        The frames of the windows, side by side: all features of `sampled_features`.
+    windows : EpisodeIndex
+        From `sample_windows`.
+    schema : Schema
+        Names the columns.
+    """
+    features = [name for name in sampled_features(schema) if name != ACTION and name in frames]
+    state = [frames[name].astype(np.float64) for name in features]
+    action = frames[ACTION].astype(np.float64) if ACTION in frames else np.empty((windows.n_frames, 0))
+    columns = [column for name in features for column in _column_names(name, schema)]
+    return ActionSample(
+        action=action,
+        state=np.concatenate(state, axis=1) if state else np.empty((len(action), 0)),
+        stretch=np.repeat(np.arange(len(windows)), windows.lengths),
+        names=schema.features[ACTION].labels if ACTION in frames else (),
+        columns=tuple(columns),
+        fps=schema.fps,
+    )
+
+
+def sampled_features(schema: Schema) -> tuple[str, ...]:
+    """Return the features from which an action is told: the action, and what was observed, up to some columns."""
+    signals = schema.signals()
+    wanted, n_columns = [ACTION] if ACTION in signals else [], 0
+    for name, feature in signals.items():
+        if name.startswith("observation") and n_columns + feature.size <= _MAX_COLUMNS:
+            wanted.append(name)
+            n_columns += feature.size
+    return tuple(wanted)
+
+
+def _column_names(feature: str, schema: Schema) -> list[str]:
+    """Name the dimensions of a feature as a reading does."""
+    found = schema.features[feature]
+    if found.dim_names:
+        return list(found.dim_names) if feature == "observation.state" else [f"{feature}/{d}" for d in found.dim_names]
+    return [feature] if found.size == 1 else [f"{feature}/{place}" for place in range(found.size)]
