@@ -295,7 +295,7 @@ def final_poses(dataset: Dataset, reading: Reading) -> Figure:
         drawing.draw_bodies(axes, body, some, color, what, [strength], fill=0, linestyle=line, linewidth=1.3)
     outlines = drawing.outlines_of(body, pose)
     points = np.concatenate([*outlines, target])
-    drawing.set_frame(axes, reading, points, margin=0.05 * float(np.ptp(points, axis=0).max()), ratio=1.3)
+    drawing.set_frame(axes, reading, points, margin=0.1 * float(np.ptp(points, axis=0).max()), ratio=1.3)
     drawing.write_key(axes, "solid: reached", "dashed: not reached", f"dotted: {bodies[reading.destination].label}")
     if (~reached).sum() <= _MAX_NUMBERS:
         for episode in np.flatnonzero(~reached).tolist():
