@@ -35,6 +35,7 @@ BOX_CORNERS = [
     )
     for signs in ((-1, -1), (-1, 1), (1, -1), (1, 1))
 ]
+ERRORS = ("pos_err", "ang_err")
 poses = st.tuples(st.floats(-0.4, 0.4), st.floats(-0.4, 0.4), st.floats(-np.pi, np.pi))
 
 

@@ -11,6 +11,7 @@ import pyarrow.parquet as pq
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Browser, Page, expect
+from robots import write_arm, write_hand
 from test_report import HOSTILE, make_hostile
 
 import z2r
@@ -49,8 +50,8 @@ def open_file(browser: Browser) -> Iterator[Open]:
 
 @pytest.fixture
 def open_report(open_file: Open, tmp_path: Path) -> Open:
-    def open_report(root: Path, **options) -> Page:
-        z2r.write_report(z2r.load(root), tmp_path / "report.html")
+    def open_report(root: Path, reading: z2r.Reading | None = None, **options) -> Page:
+        z2r.write_report(z2r.load(root), tmp_path / "report.html", reading)
         return open_file(tmp_path / "report.html", **options)
 
     return open_report
@@ -372,3 +373,66 @@ def test_where_frames_are_taken_out_of_a_notebook_a_still_is_there(open_file, tm
     expect(page.get_by_text("6 of 6")).to_be_visible()
     box = page.locator("img").bounding_box()
     assert box["height"] == pytest.approx(box["width"], rel=0.05)
+
+
+ROBOTS = {"hand": write_hand, "arm": write_arm}
+
+
+@pytest.mark.parametrize("reading", READINGS)
+@pytest.mark.parametrize("name", ROBOTS)
+def test_every_frame_of_another_robot_is_drawn_as_the_package_reads_it(name, reading, open_report, tmp_path):
+    dataset, right = ROBOTS[name](tmp_path / "robot")
+    page = open_report(dataset.root, right, script=NOW)
+    mode = None if reading == "right" else z2r.break_mode(reading)
+    if mode and not mode.applies_to(right):
+        expect(page.locator(f"[value={reading}]")).to_have_count(0)
+        return
+    read_as(page, reading)
+    seen = page.evaluate(EVERY_FRAME)
+    assert_drawn_as_read(seen, dataset, mode.reading(right) if mode else right)
+    columns = np.concatenate([dataset.read("observation.state"), dataset.read("action")], axis=1)
+    if right.poses:
+        np.testing.assert_allclose(shown(seen, "columns"), columns, atol=5.1e-5)
+    else:
+        np.testing.assert_allclose(shown(seen, "plots"), columns, rtol=1e-4)
+    outcome = z2r.inspect_dataset(dataset, mode, right).outcome
+    expect(page.locator(".tally:visible")).to_contain_text(outcome.tally)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_keys_scrub_through_another_robot(name, open_report, tmp_path):
+    dataset, reading = ROBOTS[name](tmp_path / "robot")
+    page = open_report(dataset.root, reading)
+    last = int(dataset.episodes.lengths[0]) - 1
+    for key, frame in [("ArrowRight", 1), ("Shift+ArrowRight", 11), ("ArrowLeft", 10), ("End", last), ("Home", 0)]:
+        page.keyboard.press(key)
+        expect_frame(page, frame)
+    page.keyboard.press("Space")
+    expect(page.get_by_role("button", name="Pause")).to_be_visible()
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_a_phone_shows_another_robot_without_scrolling_sideways(name, open_report, tmp_path):
+    dataset, reading = ROBOTS[name](tmp_path / "robot")
+    page = open_report(dataset.root, reading, viewport={"width": 390, "height": 844})
+    assert page.evaluate("document.documentElement.scrollWidth") == 390
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("name", ROBOTS)
+def test_another_robot_is_there_for_assistive_technology(name, scheme, open_report, tmp_path):
+    dataset, reading = ROBOTS[name](tmp_path / "robot")
+    page = open_report(dataset.root, reading, color_scheme=scheme, reduced_motion="reduce")
+    page.keyboard.press("ArrowRight")
+    results = Axe().run(page)
+    assert results.response["passes"]
+    assert not results.response["violations"], results.generate_report()
+
+
+def test_a_hand_is_drawn_with_a_line_that_shows_how_it_is_turned(open_report, tmp_path):
+    dataset, reading = write_hand(tmp_path / "robot")
+    page = open_report(dataset.root, reading)
+    seen = page.locator("#scene [data-pose=hand] .heading").evaluate(
+        "(line) => [getComputedStyle(line).stroke, getComputedStyle(document.querySelector('.scene .floor')).fill]"
+    )
+    assert seen[0] != seen[1]
