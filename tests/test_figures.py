@@ -285,10 +285,10 @@ def test_a_notebook_shows_a_figure_once():
         (lambda: figures.yaw_circle(0.0, 0.0), "not both zero"),
         (lambda: figures.yaw_circle(np.nan, 1.0), "finite"),
         (
-            lambda: figures.error_traces({"pos_err": np.zeros(0), "ang_err": np.zeros(0)}, z2r.PUSHT, 10),
+            lambda: figures.error_traces(dict.fromkeys(ERRORS, np.zeros(0)), z2r.PUSHT, 10),
             "found 0 frames",
         ),
-        (lambda: figures.error_traces({"pos_err": np.zeros(1), "ang_err": np.zeros(1)}, z2r.PUSHT, 0), "0 fps"),
+        (lambda: figures.error_traces(dict.fromkeys(ERRORS, np.zeros(1)), z2r.PUSHT, 0), "0 fps"),
         (lambda: figures.two_poses((0, 0, 0), (0, 0, np.inf)), "finite"),
     ],
 )

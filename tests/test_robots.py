@@ -8,9 +8,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from rerun.chunk import RrdReader
 from robots import ARM_REACHED, HAND_REACHED, JOINTS, write_arm, write_hand
-from test_replay import read_rows, values
+from test_replay import read_layout, read_rows, values
 from test_report import answers
 
 import z2r
@@ -154,9 +153,7 @@ def test_a_recording_speaks_of_no_other_task(name, robots, tmp_path):
     dataset, reading = robots[name]
     z2r.write_replay(dataset, tmp_path / f"{name}.rrd", reading)
     assert not PUSHT_WORDS.findall(" ".join(entity for entity, _ in read_rows(tmp_path / f"{name}.rrd", "frame")))
-    reader = RrdReader(tmp_path / f"{name}.rrd")
-    [blueprint] = reader.blueprints()
-    layout = "".join(str(chunk.to_record_batch().to_pydict()) for chunk in reader.stream(store=blueprint))
+    layout = read_layout(tmp_path / f"{name}.rrd")
     assert f"reached where {reading.goal[0].says(reading.unit(reading.goal[0]))}" in layout
     assert not PUSHT_WORDS.findall(layout)
     assert not PUSHT_WORDS.findall((tmp_path / f"{name}.rrd").read_bytes().decode("latin-1"))

@@ -42,7 +42,7 @@ def show_source(thing: Callable[..., Any] | type) -> Source:
     --------
     >>> import z2r
     >>> show_source(z2r.decode_yaw).fingerprint.split(" ")[0]
-    'z2r/angles.py#decode_yaw'
+    'z2r/reading/angles.py#decode_yaw'
     """
     text = inspect.getsource(thing)
     file = Path(inspect.getfile(thing)).relative_to(_PACKAGE.parent).as_posix()

@@ -197,10 +197,13 @@ def wrong_view(inspection: Inspection, packed: Dataset, mode: BreakMode) -> View
     Raises
     ------
     ValueError
-        If the mode lets a frame decide that was not kept.
+        If the mode lets a frame decide that was not kept, or takes the files in another order.
     """
     assert inspection.reading is not None  # only what has an outcome is read wrong
-    reading, episodes = mode.reading(inspection.reading), mode.dataset(packed).episodes
+    reading, believed = mode.reading(inspection.reading), mode.dataset(packed)
+    if believed.files != packed.files[: len(believed.files)]:
+        raise ValueError(f"found the mode {mode.name}, expected one that leaves the files in their order")
+    episodes = believed.episodes
     decisive = episodes.to_index - 1 if reading.decisive == "last" else episodes.from_index
     frames = _kept_frames(inspection, packed.episodes, decisive)
     return View(mode, reading, episodes, outcome_of(decode(frames, reading, inspection.schema)))
