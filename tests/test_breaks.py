@@ -13,7 +13,6 @@ import z2r
 from z2r import BREAK_MODES, PUSHT, EpisodeIndex
 from z2r.arrays import reduce_parts
 from z2r.course.damage import split
-from z2r.show.replay import write_replay
 
 
 @pytest.fixture(scope="module")
@@ -33,9 +32,12 @@ def wrong(dataset: z2r.Dataset, mode: str) -> z2r.Inspection:
     return z2r.inspect_dataset(dataset, z2r.break_mode(mode))
 
 
+def errors_of(state: np.ndarray, reading: z2r.Reading, dataset: z2r.Dataset) -> z2r.FrameErrors:
+    return z2r.frame_errors(z2r.decode(state, reading, dataset.schema))
+
+
 def reached_in(dataset: z2r.Dataset, frames: list[int], reading: z2r.Reading = PUSHT) -> list[bool]:
-    state = dataset.read("observation.state")[frames]
-    return z2r.in_tolerance(z2r.frame_errors(state, reading, dataset.schema), reading).tolist()
+    return z2r.in_tolerance(errors_of(dataset.read("observation.state")[frames], reading, dataset), reading).tolist()
 
 
 def test_inclusive_end_decides_in_the_first_frame_of_the_next_episode(dataset, right):
@@ -78,28 +80,28 @@ def test_the_first_frame_for_the_last_asks_the_first(dataset, right):
     found = wrong(dataset, "first-frame-for-last").outcome
     assert found.reached.tolist() == reached_in(dataset, right.episodes.from_index.tolist())
     first = dataset.read("observation.state")[right.episodes.from_index].astype(float)
-    np.testing.assert_allclose(found.final_pos_err, np.hypot(first[:, 2], first[:, 3]), atol=1e-6)
+    np.testing.assert_allclose(found.final_errors["pos_err"], np.hypot(first[:, 2], first[:, 3]), atol=1e-6)
 
 
 def test_the_wrong_reference_point_measures_from_the_pusher(dataset, right):
     last = dataset.read("observation.state")[right.episodes.to_index - 1].astype(float)
     found = wrong(dataset, "wrong-reference-point").outcome
-    np.testing.assert_allclose(found.final_pos_err, np.hypot(last[:, 0], last[:, 1]), atol=1e-6)
-    np.testing.assert_array_equal(found.final_ang_err, right.outcome.final_ang_err)
+    np.testing.assert_allclose(found.final_errors["pos_err"], np.hypot(last[:, 0], last[:, 1]), atol=1e-6)
+    np.testing.assert_array_equal(found.final_errors["ang_err"], right.outcome.final_errors["ang_err"])
 
 
 def test_degrees_for_radians_leave_a_tolerance_that_is_57_times_smaller(dataset, right):
     found = wrong(dataset, "degrees-for-radians").outcome
-    fine = (right.outcome.final_pos_err <= 0.03) & (np.rad2deg(right.outcome.final_ang_err) <= 0.2)
+    fine = (right.outcome.final_errors["pos_err"] < 0.03) & (np.rad2deg(right.outcome.final_errors["ang_err"]) < 0.2)
     assert found.reached.tolist() == fine.tolist()
-    np.testing.assert_array_equal(found.final_ang_err, right.outcome.final_ang_err)
+    np.testing.assert_array_equal(found.final_errors["ang_err"], right.outcome.final_errors["ang_err"])
 
 
 @pytest.mark.parametrize("mode", ["no-wrap", "wrong-fps", "action-lag"])
 def test_some_modes_leave_the_outcome_as_it_is(dataset, right, mode):
     found = wrong(dataset, mode)
     assert found.outcome.reached.tolist() == right.outcome.reached.tolist()
-    np.testing.assert_allclose(found.outcome.final_ang_err, right.outcome.final_ang_err, atol=1e-12)
+    np.testing.assert_allclose(found.outcome.final_errors["ang_err"], right.outcome.final_errors["ang_err"], atol=1e-12)
 
 
 def test_the_wrong_fps_shortens_the_time(dataset):
@@ -108,10 +110,10 @@ def test_the_wrong_fps_shortens_the_time(dataset):
 
 def test_an_error_that_is_not_wrapped_shows_from_the_other_side_of_the_table(dataset):
     """Turning the table by half a turn changes the sign of all ten numbers, and no error that is wrapped."""
-    state, schema = dataset.read("observation.state"), dataset.schema
+    state = dataset.read("observation.state")
     unwrapped = z2r.break_mode("no-wrap").reading(PUSHT)
     for table, reading, turned in ((state, unwrapped, False), (-state, PUSHT, False), (-state, unwrapped, True)):
-        difference = z2r.frame_errors(table, reading, schema).ang_err - z2r.frame_errors(state, PUSHT, schema).ang_err
+        difference = errors_of(table, reading, dataset)["ang_err"] - errors_of(state, PUSHT, dataset)["ang_err"]
         assert (np.abs(difference).max() > 3) == turned
 
 
@@ -119,7 +121,7 @@ def test_an_error_that_is_not_wrapped_shows_from_the_other_side_of_the_table(dat
 def test_the_picture_is_that_of_the_frames_in_the_order_of_the_wrong_reading(dataset, mode, tmp_path):
     """Which frames, in which order: the pusher's x is stored as it is drawn."""
     believed = z2r.break_mode(mode).dataset(dataset)
-    write_replay(believed, tmp_path / "x.rrd", PUSHT)
+    z2r.write_replay(believed, tmp_path / "x.rrd", PUSHT)
     drawn = values(read_rows(tmp_path / "x.rrd", "frame"), "world/robot/pusher", "Transform3D:translation").reshape(
         -1, 3
     )

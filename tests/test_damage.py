@@ -90,8 +90,8 @@ def test_half_a_turn_changes_every_sign_and_nothing_else(copy):
     for feature in FEATURES:
         np.testing.assert_array_equal(dataset.read(feature), -z2r.load(z2r.MESSY).read(feature))
     turned = z2r.inspect_dataset(dataset).outcome
-    np.testing.assert_allclose(turned.final_pos_err, right.final_pos_err, atol=1e-9)
-    np.testing.assert_allclose(turned.final_ang_err, right.final_ang_err, atol=1e-6)
+    np.testing.assert_allclose(turned.final_errors["pos_err"], right.final_errors["pos_err"], atol=1e-9)
+    np.testing.assert_allclose(turned.final_errors["ang_err"], right.final_errors["ang_err"], atol=1e-6)
     assert not checks(copy)
 
 

@@ -18,10 +18,15 @@ from z2r.course import figures
 from z2r.pusht import task
 
 DATASET = z2r.load(z2r.STANDIN)
-STATE = DATASET.read(z2r.PUSHT.feature)
-FIRST = STATE[DATASET.episodes[0]]
+FIRST = DATASET.read(z2r.PUSHT.feature)[DATASET.episodes[0]]
 SWAPPED = z2r.break_mode("yaw-swap").reading(z2r.PUSHT)
 SWAPPED_EVERYWHERE = z2r.break_mode("yaw-swap-everywhere").reading(z2r.PUSHT)
+
+
+def read(state: np.ndarray, reading: z2r.Reading = z2r.PUSHT) -> z2r.Decoded:
+    return z2r.decode(state, reading, DATASET.schema)
+
+
 BOX_CORNERS = [
     np.add(center, np.multiply(half_size[:2], signs))
     for center, half_size in (
@@ -30,6 +35,7 @@ BOX_CORNERS = [
     )
     for signs in ((-1, -1), (-1, 1), (1, -1), (1, 1))
 ]
+ERRORS = ("pos_err", "ang_err")
 poses = st.tuples(st.floats(-0.4, 0.4), st.floats(-0.4, 0.4), st.floats(-np.pi, np.pi))
 
 
@@ -41,16 +47,16 @@ def every_figure() -> dict[str, Figure]:
     }
     for name, root in (("standin", z2r.STANDIN), ("messy", z2r.MESSY)):
         dataset = z2r.load(root)
-        first, schema = dataset.read(z2r.PUSHT.feature)[dataset.episodes[0]], dataset.schema
+        first = dataset.read(z2r.PUSHT.feature)[dataset.episodes[0]]
         reached = z2r.inspect_dataset(dataset).outcome.reached
         drawn |= {
-            f"{name} path": figures.episode_path(first, z2r.PUSHT, schema),
+            f"{name} path": figures.episode_path(read(first)),
             f"{name} ribbon": figures.episode_ribbon(dataset.episodes, reached),
             f"{name} ribbon, not judged": figures.episode_ribbon(dataset.episodes),
-            f"{name} traces": figures.error_traces(z2r.frame_errors(first, z2r.PUSHT, schema), z2r.PUSHT, 10),
+            f"{name} traces": figures.error_traces(z2r.frame_errors(read(first)), z2r.PUSHT, 10),
             f"{name} final poses": figures.final_poses(dataset, z2r.PUSHT),
-            f"{name} right and wrong": figures.right_and_wrong(first, z2r.PUSHT, SWAPPED, schema),
-            f"{name} wrong everywhere": figures.right_and_wrong(first, z2r.PUSHT, SWAPPED_EVERYWHERE, schema),
+            f"{name} right and wrong": figures.right_and_wrong(read(first), read(first, SWAPPED)),
+            f"{name} wrong everywhere": figures.right_and_wrong(read(first), read(first, SWAPPED_EVERYWHERE)),
         }
     return drawn
 
@@ -146,10 +152,9 @@ def test_a_path_passes_through_every_frame_and_the_block_is_drawn_where_it_was(d
 
 @pytest.mark.parametrize("n_frames", [1, 2])
 def test_the_shortest_episodes_can_be_drawn(n_frames):
-    state, schema = FIRST[:n_frames], DATASET.schema
-    errors = z2r.frame_errors(state, z2r.PUSHT, schema)
-    assert png_size(figures.error_traces(errors, z2r.PUSHT, 10)) > 0
-    assert len(outlines(figures.episode_path(state, z2r.PUSHT, schema).axes[0], "block")) == n_frames
+    decoded = read(FIRST[:n_frames])
+    assert png_size(figures.error_traces(z2r.frame_errors(decoded), z2r.PUSHT, 10)) > 0
+    assert len(outlines(figures.episode_path(decoded).axes[0], "block")) == n_frames
 
 
 def test_a_wrong_reading_mirrors_the_block_and_leaves_the_rest(drawn):
@@ -168,7 +173,7 @@ def test_a_wrong_reading_mirrors_the_block_and_leaves_the_rest(drawn):
 
 
 def test_the_target_is_mirrored_too_where_every_yaw_is_swapped():
-    left, right = figures.right_and_wrong(FIRST, z2r.PUSHT, SWAPPED_EVERYWHERE, DATASET.schema).axes
+    left, right = figures.right_and_wrong(read(FIRST), read(FIRST, SWAPPED_EVERYWHERE)).axes
     assert bar_direction(outlines(left, "target")[0]) == pytest.approx(0)
     assert bar_direction(outlines(right, "target")[0]) == pytest.approx(np.pi / 2, abs=1e-3)
     assert "target: atan2(cos_target_yaw, sin_target_yaw)" in right.get_title(loc="left")
@@ -214,11 +219,11 @@ def test_the_mirror_stands_at_45_degrees():
 
 
 def test_traces_are_the_errors_over_seconds_with_their_tolerances():
-    errors = z2r.frame_errors(FIRST, z2r.PUSHT, DATASET.schema)
+    errors = z2r.frame_errors(read(FIRST))
     figure = figures.error_traces(errors, z2r.PUSHT, fps=20)
     for axes, name, values, tolerance, unit in (
-        (figure.axes[0], "pos_err", errors.pos_err, 0.03, "m"),
-        (figure.axes[1], "ang_err", errors.ang_err, 0.2, "rad"),
+        (figure.axes[0], "pos_err", errors["pos_err"], 0.03, "m"),
+        (figure.axes[1], "ang_err", errors["ang_err"], 0.2, "rad"),
     ):
         [line], [last], [band] = (named(axes, gid) for gid in (name, "last stored frame", "tolerance"))
         np.testing.assert_allclose(line.get_xydata(), np.stack([np.arange(len(FIRST)) / 20, values], axis=1))
@@ -231,7 +236,7 @@ def test_traces_are_the_errors_over_seconds_with_their_tolerances():
 
 @pytest.mark.parametrize(("n_frames", "title"), [(None, "in tolerance: reached"), (5, "out of tolerance: not reached")])
 def test_traces_say_how_the_last_stored_frame_is_read(n_frames, title):
-    errors = z2r.frame_errors(FIRST[:n_frames], z2r.PUSHT, DATASET.schema)
+    errors = z2r.frame_errors(read(FIRST[:n_frames]))
     assert figures.error_traces(errors, z2r.PUSHT, 10).axes[0].get_title(loc="left").endswith(f"is {title}")
 
 
@@ -275,12 +280,15 @@ def test_a_notebook_shows_a_figure_once():
 @pytest.mark.parametrize(
     ("draw", "message"),
     [
-        (lambda: figures.episode_path(FIRST[:0], z2r.PUSHT, DATASET.schema), "found 0 frames"),
+        (lambda: figures.episode_path(read(FIRST[:0])), "found 0 frames"),
         (lambda: figures.episode_ribbon(DATASET.episodes, np.array([True])), "6 episodes and 1 values of reached"),
         (lambda: figures.yaw_circle(0.0, 0.0), "not both zero"),
         (lambda: figures.yaw_circle(np.nan, 1.0), "finite"),
-        (lambda: figures.error_traces(z2r.FrameErrors(np.zeros(0), np.zeros(0)), z2r.PUSHT, 10), "found 0 frames"),
-        (lambda: figures.error_traces(z2r.FrameErrors(np.zeros(1), np.zeros(1)), z2r.PUSHT, 0), "0 fps"),
+        (
+            lambda: figures.error_traces(dict.fromkeys(ERRORS, np.zeros(0)), z2r.PUSHT, 10),
+            "found 0 frames",
+        ),
+        (lambda: figures.error_traces(dict.fromkeys(ERRORS, np.zeros(1)), z2r.PUSHT, 0), "0 fps"),
         (lambda: figures.two_poses((0, 0, 0), (0, 0, np.inf)), "finite"),
     ],
 )
@@ -291,10 +299,8 @@ def test_what_cannot_be_drawn_is_refused(draw, message):
 
 
 def test_seen_from_the_block_the_right_reading_leaves_it_empty():
-    dataset = z2r.load(z2r.STANDIN)
-    state = dataset.read("observation.state")
-    wrong = z2r.break_mode("yaw-swap").reading(z2r.PUSHT)
-    panels = figures.seen_from_block(state, z2r.PUSHT, wrong, dataset.schema).axes
+    state = DATASET.read(z2r.PUSHT.feature)
+    panels = figures.seen_from_block(read(state), read(state, SWAPPED)).axes
     n_inside = []
     for axes in panels:
         [block] = [collection for collection in axes.collections if collection.get_gid() == "block"]

@@ -9,16 +9,17 @@ import z2r
 from z2r.data import SHIPPED
 from z2r.pusht import task
 from z2r.pusht.overlap import LIMIT, overlap, pusher_in_block
-from z2r.reading.reading import PUSHT
+from z2r.pusht.world import PUSHT
 
 SCHEMA = z2r.load(z2r.STANDIN).schema
 BOXES = ((task.BAR_CENTER, task.BAR_HALF_SIZE[:2]), (task.STEM_CENTER, task.STEM_HALF_SIZE[:2]))
 SPACING = 1e-4  # m: between two points of a side
 
 
-def state_of(pusher: tuple[float, float], block: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> np.ndarray:
+def frame_of(pusher: tuple[float, float], block: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> z2r.Decoded:
     x, y, yaw = block
-    return np.array([[*pusher, x, y, np.sin(yaw), np.cos(yaw), 0.0, 0.0, 0.0, 1.0]])
+    state = np.array([[*pusher, x, y, np.sin(yaw), np.cos(yaw), 0.0, 0.0, 0.0, 1.0]])
+    return z2r.decode(state, PUSHT, SCHEMA)
 
 
 def sides(center: tuple[float, float], half_size: tuple[float, float]) -> np.ndarray:
@@ -48,7 +49,7 @@ near = st.floats(-0.15, 0.15)
 
 @given(x=near, y=near)
 def test_it_agrees_with_the_nearest_of_many_points(x, y):
-    assert overlap(state_of((x, y)), PUSHT, SCHEMA) == pytest.approx(sampled_overlap((x, y)), abs=SPACING)
+    assert overlap(frame_of((x, y))) == pytest.approx(sampled_overlap((x, y)), abs=SPACING)
 
 
 @pytest.mark.parametrize(
@@ -66,15 +67,15 @@ def test_it_agrees_with_the_nearest_of_many_points(x, y):
     ],
 )
 def test_places_around_the_block(pusher, expected):
-    assert overlap(state_of(pusher), PUSHT, SCHEMA) == pytest.approx(expected, abs=1e-9)
+    assert overlap(frame_of(pusher)) == pytest.approx(expected, abs=1e-9)
 
 
 @given(pusher=st.tuples(near, near), at=st.tuples(near, near), yaw=st.floats(-np.pi, np.pi))
 def test_nothing_changes_when_pusher_and_block_move_together(pusher, at, yaw):
     turned = complex(*pusher) * np.exp(1j * yaw) + complex(*at)
-    moved = state_of((turned.real, turned.imag), (*at, yaw))
-    np.testing.assert_allclose(np.concatenate(pusher_in_block(moved, PUSHT, SCHEMA)), pusher, atol=1e-9)
-    np.testing.assert_allclose(overlap(moved, PUSHT, SCHEMA), overlap(state_of(pusher), PUSHT, SCHEMA), atol=1e-9)
+    moved = frame_of((turned.real, turned.imag), (*at, yaw))
+    np.testing.assert_allclose(np.concatenate(pusher_in_block(moved)), pusher, atol=1e-9)
+    np.testing.assert_allclose(overlap(moved), overlap(frame_of(pusher)), atol=1e-9)
 
 
 @pytest.mark.parametrize("name", SHIPPED)
@@ -82,7 +83,7 @@ def test_nothing_changes_when_pusher_and_block_move_together(pusher, at, yaw):
 def test_only_a_reading_with_the_right_pose_of_the_block_keeps_solid_bodies_apart(name, mode):
     dataset = z2r.load(SHIPPED[name])
     reading = z2r.break_mode(mode).reading(PUSHT) if mode else PUSHT
-    deepest = overlap(dataset.read("observation.state"), reading, dataset.schema).max()
+    deepest = overlap(z2r.decode(dataset.read("observation.state"), reading, dataset.schema)).max()
     if mode in ("yaw-swap", "yaw-swap-everywhere", "wrong-reference-point"):
         assert deepest > 2 * LIMIT
     else:
@@ -92,4 +93,4 @@ def test_only_a_reading_with_the_right_pose_of_the_block_keeps_solid_bodies_apar
 def test_a_missing_column_is_named():
     schema = z2r.Schema("v3.0", 10, 1, 1, {"observation.state": z2r.Feature("float32", (2,), ["a", "b"])}, "")
     with pytest.raises(ValueError, match=r"pusher_x.*a, b"):
-        overlap(np.zeros((1, 2)), PUSHT, schema)
+        overlap(z2r.decode(np.zeros((1, 2)), PUSHT, schema))

@@ -7,6 +7,7 @@ import re
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -140,7 +141,7 @@ def test_names_of_a_dataset_are_never_taken_for_markup(standin_copy, tmp_path):
 def test_a_large_dataset_leaves_episodes_out_and_says_which(tmp_path, monkeypatch):
     root = tmp_path / "many"
     lay_out(root, [5] * 700, files=[300, 400], shards=[700])
-    monkeypatch.setattr(report, "_MAX_FRAME_BYTES", 12 * 4 * 52)
+    monkeypatch.setattr(report, "_MAX_FRAME_BYTES", (12 + 10) * 4 * 52)
     dataset = z2r.load(root)
     written = z2r.write_report(dataset, tmp_path / "report.html")
     page = (tmp_path / "report.html").read_text()
@@ -155,7 +156,7 @@ def test_a_large_dataset_leaves_episodes_out_and_says_which(tmp_path, monkeypatc
 def test_of_an_episode_that_is_too_long_the_beginning_is_shown(tmp_path, monkeypatch):
     root = tmp_path / "long"
     lay_out(root, [90, 10], files=[2], shards=[2])
-    monkeypatch.setattr(report, "_MAX_FRAME_BYTES", 12 * 4 * 40)
+    monkeypatch.setattr(report, "_MAX_FRAME_BYTES", (12 + 10) * 4 * 40)
     dataset = z2r.load(root)
     written = z2r.write_report(dataset, tmp_path / "report.html")
     assert (written.n_episodes, written.n_frames) == (1, 40)
@@ -166,10 +167,18 @@ def test_of_an_episode_that_is_too_long_the_beginning_is_shown(tmp_path, monkeyp
 
 
 def frames_of(page: str) -> np.ndarray:
-    """The frames in the page, (n_columns, n_frames)."""
-    data = json.loads(Elements(page).text["script application/json"])
-    raw = np.frombuffer(base64.b64decode(data["frames"]), f"<f{data['bytes']}")
-    return raw.reshape(len(data["names"]), data["shown"])
+    """The frames in the page as the data files have them, (n_columns, n_frames)."""
+    return columns_of(page)[: len(data_of(page)["names"])]
+
+
+def columns_of(page: str) -> np.ndarray:
+    """The frames in the page, and what is derived from them."""
+    data = data_of(page)
+    return np.frombuffer(base64.b64decode(data["frames"]), f"<f{data['bytes']}").reshape(-1, data["shown"])
+
+
+def data_of(page: str) -> dict[str, Any]:
+    return json.loads(Elements(page).text["script application/json"])
 
 
 def test_the_page_of_a_million_frames_would_stay_below_5_megabytes(tmp_path, monkeypatch):
@@ -177,7 +186,7 @@ def test_the_page_of_a_million_frames_would_stay_below_5_megabytes(tmp_path, mon
     root = tmp_path / "long"
     lay_out(root, [70_000, *[1] * 3000], files=[3001], shards=[3001])
     page = write(z2r.load(root), tmp_path)
-    assert frames_of(page).nbytes > 2_900_000
+    assert 2_400_000 < columns_of(page).nbytes <= 3_000_000
     assert len(page.encode()) < 5_000_000
 
 
@@ -186,7 +195,7 @@ def test_a_dataset_of_another_robot_has_no_success_and_no_scene(standin_copy, tm
     path.write_text(path.read_text().replace("tee_x", "cube_x"))
     page = write(z2r.load(standin_copy), tmp_path)
     assert not answers(page)
-    assert "no tee_x" in page
+    assert "its reading needs tee_x, which is not there" in page
     assert 'id="scene"' not in page
     assert "reached" not in z2r.panel(z2r.load(standin_copy)).title
 
@@ -209,7 +218,7 @@ def test_a_salvaged_dataset_is_shown_without_what_lies_between_its_episodes(tmp_
     expected = np.concatenate([whole.read("observation.state")[whole.episodes[number]] for number in (1, 4, 13)])
     np.testing.assert_array_equal(frames_of(page)[:10], expected.T)
     assert answers(page)["right"][0] == "2 of 3"
-    data = json.loads(Elements(page).text["script application/json"])
+    data = data_of(page)
     for reading in data["readings"][:3]:
         assert reading["numbers"] == [1, 4, 13]
         assert reading["episodes"] == [[0, 108], [108, 228], [228, 246]]

@@ -11,6 +11,7 @@ import pyarrow.parquet as pq
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Browser, Page, expect
+from robots import write_arm, write_hand
 from test_report import HOSTILE, make_hostile
 
 import z2r
@@ -49,8 +50,8 @@ def open_file(browser: Browser) -> Iterator[Open]:
 
 @pytest.fixture
 def open_report(open_file: Open, tmp_path: Path) -> Open:
-    def open_report(root: Path, **options) -> Page:
-        z2r.write_report(z2r.load(root), tmp_path / "report.html")
+    def open_report(root: Path, reading: z2r.Reading | None = None, **options) -> Page:
+        z2r.write_report(z2r.load(root), tmp_path / "report.html", reading)
         return open_file(tmp_path / "report.html", **options)
 
     return open_report
@@ -141,7 +142,7 @@ def test_it_goes_on_playing_in_another_reading(open_report):
 def test_the_mouse_scrubs_and_picks(open_report):
     page = open_report(z2r.STANDIN)
     episodes = z2r.load(z2r.STANDIN).episodes
-    plot = page.get_by_role("img", name="Distance over time")
+    plot = page.get_by_role("img", name="Distance to the target over time")
     box = plot.bounding_box()
     plot.click(position={"x": box["width"] / 2, "y": 20})
     expect_frame(page, round((episodes.lengths[0] - 1) / 2))
@@ -165,7 +166,7 @@ def test_a_reading_changes_the_percentage_and_the_table(name, open_report):
     for reading in (*WRONG_READINGS, "right"):
         read_as(page, reading)
         outcome = z2r.inspect_dataset(dataset, None if reading == "right" else z2r.break_mode(reading)).outcome
-        expect(page.locator(".percent:visible")).to_have_text(f"{outcome.success_rate:.0%}")
+        expect(page.locator(".percent:visible")).to_have_text(f"{outcome.share_reached:.0%}")
         expect(page.get_by_role("status")).to_contain_text(f"{outcome.n_reached} of {len(outcome.reached)}")
         rows = page.locator("table.numeric:visible tbody tr")
         expect(rows).to_have_count(len(outcome.reached))
@@ -174,10 +175,10 @@ def test_a_reading_changes_the_percentage_and_the_table(name, open_report):
 
 EVERY_FRAME = """() => {
   const [episode, frame] = [document.getElementById("episode"), document.getElementById("frame")];
-  const scene = document.getElementById("scene");
-  const text = (selector) => document.querySelector(selector).textContent;
-  const transform = (name) => scene.querySelector(name).getAttribute("transform");
-  const numbers = (name) => transform(name).match(/-?[\\d.]+(e-?\\d+)?/g).map(Number);
+  const bodies = [...document.querySelectorAll("#scene .body")];
+  const yaws = [...document.querySelectorAll("[data-yaw]")];
+  const numbers = (body) => body.getAttribute("transform").match(/-?[\\d.]+(e-?\\d+)?/g).map(Number);
+  const texts = (selector) => [...document.querySelectorAll(selector)].map((part) => part.textContent);
   const seen = [];
   for (let e = 0; e < episode.options.length; e++) {
     episode.value = e;
@@ -185,21 +186,41 @@ EVERY_FRAME = """() => {
     for (let i = 0; i <= Number(frame.max); i++) {
       frame.value = i;
       frame.dispatchEvent(new Event("input"));
-      const pusher = scene.querySelector(".pusher");
       seen.push({
-        tee: numbers(".tee"),
-        target: numbers(".target"),
-        pusher: [Number(pusher.getAttribute("cx")), Number(pusher.getAttribute("cy"))],
-        state: [...document.querySelectorAll("[data-column]")].map((cell) => Number(cell.textContent)),
-        yaw: parseFloat(text("[data-yaw='0']")),
-        pos: parseFloat(text("#pos .value")),
-        ang: parseFloat(text("#ang .value")),
-        within: [...document.querySelectorAll(".mark")].map((mark) => mark.textContent.startsWith("\\u2713")),
+        bodies: Object.fromEntries(bodies.map((body) => [body.dataset.pose, numbers(body)])),
+        columns: texts("[data-column]").map(Number),
+        plots: texts("#plots .value").map(Number),
+        yaws: Object.fromEntries(yaws.map((cell) => [cell.dataset.yaw, parseFloat(cell.textContent)])),
+        goals: texts(".goal .value").map(parseFloat),
+        holds: texts(".goal .mark").map((text) => text.startsWith("\\u2713")),
       });
     }
   }
   return seen;
 }"""
+
+
+def shown(seen: list[dict], field: str) -> np.ndarray:
+    return np.array([frame[field] for frame in seen])
+
+
+def assert_drawn_as_read(seen: list[dict], dataset: z2r.Dataset, reading: z2r.Reading) -> None:
+    """Every body in its place, every yaw, every error, and whether each goal holds, in every frame of the dataset."""
+    assert len(seen) == dataset.episodes.n_frames
+    decoded = z2r.decode({name: dataset.read(name) for name in dataset.schema.signals()}, reading, dataset.schema)
+    errors = z2r.frame_errors(decoded)
+    for name in reading.poses:
+        pose = decoded.pose(name)
+        x, y, turn = np.array([frame["bodies"][name] for frame in seen]).T
+        np.testing.assert_array_equal([x, y], [pose.x, pose.y])
+        # In the page, numbers are as wide as the data, which is float32.
+        np.testing.assert_allclose(turn, 0 if pose.yaw is None else np.rad2deg(pose.yaw), atol=2e-5)
+        if pose.yaw is not None:
+            np.testing.assert_allclose([frame["yaws"][name] for frame in seen], pose.yaw, atol=5.1e-5)
+    np.testing.assert_allclose(shown(seen, "goals").T, list(errors.values()), atol=5.1e-5)
+    holds = shown(seen, "holds").T
+    np.testing.assert_array_equal(holds, [goal.holds(errors[goal.name]) for goal in reading.goal])
+    np.testing.assert_array_equal(holds.all(axis=0), z2r.in_tolerance(errors, reading))
 
 
 @pytest.mark.parametrize("reading", READINGS)
@@ -209,26 +230,10 @@ def test_every_frame_is_drawn_as_the_package_reads_it(name, reading, open_report
     read_as(page, reading)
     seen = page.evaluate(EVERY_FRAME)
     dataset = z2r.load(SHIPPED[name])
-    schema, state = dataset.schema, dataset.read("observation.state")
     rule = z2r.PUSHT if reading == "right" else z2r.break_mode(reading).reading(z2r.PUSHT)
-    columns, errors = z2r.named_columns(state, rule, schema), z2r.frame_errors(state, rule, schema)
-
-    def shown(field: str) -> np.ndarray:
-        return np.array([frame[field] for frame in seen])
-
-    for field, pose in (("tee", rule.tee), ("target", rule.target)):
-        expected = z2r.read_pose(columns, pose)
-        np.testing.assert_array_equal(shown(field)[:, :2], np.stack([expected.x, expected.y], axis=1))
-        np.testing.assert_allclose(shown(field)[:, 2], np.rad2deg(expected.yaw), atol=1e-9)
-    np.testing.assert_array_equal(shown("pusher"), np.stack([columns[axis] for axis in rule.pusher], axis=1))
-    np.testing.assert_allclose(shown("state")[:, :10], state, atol=5.1e-5)
-    np.testing.assert_allclose(shown("state")[:, 10:], dataset.read("action"), atol=5.1e-5)
-    np.testing.assert_allclose(shown("yaw"), z2r.read_pose(columns, rule.tee).yaw, atol=5.1e-5)
-    np.testing.assert_allclose(shown("pos"), errors.pos_err, atol=5.1e-5)
-    np.testing.assert_allclose(shown("ang"), errors.ang_err, atol=5.1e-5)
-    within = [errors.pos_err <= rule.pos_tol, errors.ang_err <= rule.ang_tol]
-    np.testing.assert_array_equal(shown("within"), np.transpose(within))
-    np.testing.assert_array_equal(shown("within").all(axis=1), z2r.in_tolerance(errors, rule))
+    assert_drawn_as_read(seen, dataset, rule)
+    state, action = dataset.read("observation.state"), dataset.read("action")
+    np.testing.assert_allclose(shown(seen, "columns"), np.concatenate([state, action], axis=1), atol=5.1e-5)
 
 
 def test_the_formula_that_is_wrong_is_marked_and_the_other_is_not(open_report):
@@ -261,13 +266,13 @@ def test_with_javascript_off_it_still_says_and_shows_what_is_in_the_dataset(open
     expect(page.locator(".tally:visible")).to_contain_text("6 of 6 reached the target")
     expect(page.get_by_role("cell", name="cos_target_yaw", exact=True)).to_be_visible()
     expect(page.locator("table.numeric:visible tbody tr")).to_have_count(6)
-    expect(page.locator("#scene .tee")).to_be_visible()
+    expect(page.locator("#scene [data-pose=tee].body")).to_be_visible()
     expect(page.locator("#transport")).to_be_hidden()
     expect(page.locator("#switch")).to_be_hidden()
     dataset = z2r.load(z2r.STANDIN)
     last = dataset.read("observation.state")[dataset.episodes[0]][-1:]
-    expected = z2r.frame_errors(last, z2r.PUSHT, dataset.schema)
-    expect(page.locator("#pos .value")).to_have_text(f"{expected.pos_err[0]:.4f} m")
+    [distance] = z2r.frame_errors(z2r.decode(last, z2r.PUSHT, dataset.schema))["pos_err"]
+    expect(page.locator(".goal .value").first).to_have_text(f"{distance:.4f} m")
     expect(page.locator(".mark")).to_have_text(["✓ within 0.03 m", "✓ within 0.2 rad"])
 
 
@@ -368,3 +373,66 @@ def test_where_frames_are_taken_out_of_a_notebook_a_still_is_there(open_file, tm
     expect(page.get_by_text("6 of 6")).to_be_visible()
     box = page.locator("img").bounding_box()
     assert box["height"] == pytest.approx(box["width"], rel=0.05)
+
+
+ROBOTS = {"hand": write_hand, "arm": write_arm}
+
+
+@pytest.mark.parametrize("reading", READINGS)
+@pytest.mark.parametrize("name", ROBOTS)
+def test_every_frame_of_another_robot_is_drawn_as_the_package_reads_it(name, reading, open_report, tmp_path):
+    dataset, right = ROBOTS[name](tmp_path / "robot")
+    page = open_report(dataset.root, right, script=NOW)
+    mode = None if reading == "right" else z2r.break_mode(reading)
+    if mode and not mode.applies_to(right):
+        expect(page.locator(f"[value={reading}]")).to_have_count(0)
+        return
+    read_as(page, reading)
+    seen = page.evaluate(EVERY_FRAME)
+    assert_drawn_as_read(seen, dataset, mode.reading(right) if mode else right)
+    columns = np.concatenate([dataset.read("observation.state"), dataset.read("action")], axis=1)
+    if right.poses:
+        np.testing.assert_allclose(shown(seen, "columns"), columns, atol=5.1e-5)
+    else:
+        np.testing.assert_allclose(shown(seen, "plots"), columns, rtol=1e-4)
+    outcome = z2r.inspect_dataset(dataset, mode, right).outcome
+    expect(page.locator(".tally:visible")).to_contain_text(outcome.tally)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_keys_scrub_through_another_robot(name, open_report, tmp_path):
+    dataset, reading = ROBOTS[name](tmp_path / "robot")
+    page = open_report(dataset.root, reading)
+    last = int(dataset.episodes.lengths[0]) - 1
+    for key, frame in [("ArrowRight", 1), ("Shift+ArrowRight", 11), ("ArrowLeft", 10), ("End", last), ("Home", 0)]:
+        page.keyboard.press(key)
+        expect_frame(page, frame)
+    page.keyboard.press("Space")
+    expect(page.get_by_role("button", name="Pause")).to_be_visible()
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_a_phone_shows_another_robot_without_scrolling_sideways(name, open_report, tmp_path):
+    dataset, reading = ROBOTS[name](tmp_path / "robot")
+    page = open_report(dataset.root, reading, viewport={"width": 390, "height": 844})
+    assert page.evaluate("document.documentElement.scrollWidth") == 390
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("name", ROBOTS)
+def test_another_robot_is_there_for_assistive_technology(name, scheme, open_report, tmp_path):
+    dataset, reading = ROBOTS[name](tmp_path / "robot")
+    page = open_report(dataset.root, reading, color_scheme=scheme, reduced_motion="reduce")
+    page.keyboard.press("ArrowRight")
+    results = Axe().run(page)
+    assert results.response["passes"]
+    assert not results.response["violations"], results.generate_report()
+
+
+def test_a_hand_is_drawn_with_a_line_that_shows_how_it_is_turned(open_report, tmp_path):
+    dataset, reading = write_hand(tmp_path / "robot")
+    page = open_report(dataset.root, reading)
+    seen = page.locator("#scene [data-pose=hand] .heading").evaluate(
+        "(line) => [getComputedStyle(line).stroke, getComputedStyle(document.querySelector('.scene .floor')).fill]"
+    )
+    assert seen[0] != seen[1]

@@ -256,7 +256,8 @@ def write_report(
         If `path` is inside the dataset, which is never written to.
     """
     dataset = _loaded(dataset)
-    keep = reports.n_frames_in_report(dataset.schema)
+    reading = reading or choose_reading(dataset.schema)
+    keep = reports.n_frames_in_report(dataset.schema, reading)
     inspection = inspect_dataset(dataset, reading=reading, progress=progress, keep=keep)
     return reports.write_report(inspection, path, scene_of(inspection.reading))
 
@@ -283,7 +284,9 @@ def panel(dataset: Dataset | str | os.PathLike[str], reading: Reading | None = N
     Panel: standin, episodes: 6, frames: 427, reached the target: 6 of 6 (reconstructed)
     """
     dataset = _loaded(dataset)
-    inspection = inspect_dataset(dataset, reading=reading, keep=reports.n_frames_in_panel(dataset.schema))
+    reading = reading or choose_reading(dataset.schema)
+    keep = reports.n_frames_in_panel(dataset.schema, reading)
+    inspection = inspect_dataset(dataset, reading=reading, keep=keep)
     return reports.panel(inspection, scene_of(inspection.reading))
 
 

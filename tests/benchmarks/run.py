@@ -36,7 +36,6 @@ from layouts import Layout, lay_out, read_dataset, write_dataset  # noqa: E402 -
 
 import z2r  # noqa: E402
 from z2r.format.dataset import map_files  # noqa: E402
-from z2r.show.replay import write_replay  # noqa: E402
 from z2r.show.wallclock import LEDGER, Run, ledger_table, machine_tier, read_ledger  # noqa: E402
 
 FEATURES = ["observation.state", "action"]
@@ -194,14 +193,12 @@ def read_against_bare_pyarrow(root: Path, runs: int) -> Row:
 def replay_against_rows(root: Path, scratch: Path, runs: int) -> Row:
     dataset = z2r.load(root)
     assert dataset.episodes.n_frames == 10_000
-    from z2r.reading.reading import PUSHT
-
-    write_replay(dataset, scratch / "warm.rrd", PUSHT)
+    z2r.write_replay(dataset, scratch / "warm.rrd")
     sys.path.insert(0, str(HERE))
     from reference import replay
 
     ours, theirs = alternate(
-        timed(lambda: write_replay(dataset, scratch / "ours.rrd", PUSHT)),
+        timed(lambda: z2r.write_replay(dataset, scratch / "ours.rrd")),
         timed(lambda: replay(10_000, str(scratch / "theirs.rrd"))),
         runs=runs,
     )

@@ -100,6 +100,17 @@ def body_of_role(bodies: dict[str, Body], role: Role) -> str | None:
     return next((name for name in reversed(bodies) if bodies[name].role == role), None)
 
 
+def moved_of(bodies: dict[str, Body]) -> str:
+    """Return the name of the body that is brought somewhere: the last object, or else the robot itself."""
+    return body_of_role(bodies, "object") or next(reversed(bodies))
+
+
+def robot_of(bodies: dict[str, Body]) -> str | None:
+    """Return the name of the robot; None where there is none, or it is what is brought somewhere."""
+    robot = body_of_role(bodies, "robot")
+    return None if robot == moved_of(bodies) else robot
+
+
 def place(pose: Pose) -> Floats:
     """Return the position in every frame, seen from above, (n_frames, 2)."""
     return np.stack([pose.x, pose.y], axis=1)
@@ -154,15 +165,14 @@ def draw_world(axes: Axes, decoded: Decoded, n_moments: int) -> Floats:
     Of each role, the last body in the reading is drawn: what is moved, where it is to be, and what moves it.
     """
     bodies = bodies_to_draw(decoded)
-    goal, robot = body_of_role(bodies, "goal"), body_of_role(bodies, "robot")
-    moved = body_of_role(bodies, "object") or next(reversed(bodies))
+    goal, robot, moved = body_of_role(bodies, "goal"), robot_of(bodies), moved_of(bodies)
     pose = decoded.pose(moved)
     moments = pick_moments(pose, bodies[moved], n_moments)
     strength = np.linspace(0.3, 1, len(moments) + 1)[1:].tolist()
     target = None if goal is None else draw_goal(axes, bodies[goal], decoded.pose(goal))
     at_moments = select_frames(pose, moments)
     outlines = draw_bodies(axes, bodies[moved], at_moments, TEE, bodies[moved].label, strength, linewidth=1.5)
-    if robot is not None and robot != moved:
+    if robot is not None:
         _draw_robot(axes, bodies[robot], select_frames(decoded.pose(robot), moments), strength)
     draw_path(axes, place(pose), TEE, bodies[moved].label)
     middle = outlines[0].mean(axis=0) if target is None else target.mean(axis=0)

@@ -55,7 +55,7 @@ def episode_path(decoded: Decoded) -> Figure:
     axes = figure.subplots()
     outlines = drawing.draw_world(axes, decoded, n_moments=7)
     everywhere = [*outlines.reshape(-1, 2)]
-    robot, walls = drawing.body_of_role(bodies, "robot"), drawing.walls(decoded.reading)
+    robot, walls = drawing.robot_of(bodies), drawing.walls(decoded.reading)
     if robot is not None:
         path = drawing.place(decoded.pose(robot))
         label = bodies[robot].label
@@ -69,7 +69,7 @@ def episode_path(decoded: Decoded) -> Figure:
     drawing.set_frame(axes, decoded.reading, points, margin=0.05 * float(np.ptp(points, axis=0).max()) or 1.0)
     if walls is not None:
         drawing.write_label(axes, "walls", walls[2], (-1, 1), drawing.GREY)
-    moved = bodies[drawing.body_of_role(bodies, "object") or next(reversed(bodies))].label
+    moved = bodies[drawing.moved_of(bodies)].label
     moments = f"the {moved} at {_count(len(outlines), 'moment')}, from light to strong"
     axes.set_title(f"{_count(len(decoded), 'frame')} from above; {moments}\ndot: start, cross: end")
     return figure
@@ -101,7 +101,7 @@ def right_and_wrong(right: Decoded, wrong: Decoded) -> Figure:
         strict=True,
     ):
         bodies = drawing.bodies_to_draw(one)
-        robot, goal = drawing.body_of_role(bodies, "robot"), drawing.body_of_role(bodies, "goal")
+        robot, goal = drawing.robot_of(bodies), drawing.body_of_role(bodies, "goal")
         corners += [*drawing.draw_world(axes, one, n_moments=3)]
         corners += [*drawing.outlines_of(bodies[goal], one.pose(goal))] if goal is not None else []
         if robot is not None:
@@ -250,7 +250,7 @@ def error_traces(errors: FrameErrors, reading: Reading, fps: float) -> Figure:
     figure = drawing.new_figure(8, 2.2 * len(reading.goal))
     panels = figure.subplots(len(reading.goal), 1, sharex=True, squeeze=False)[:, 0]
     for axes, goal in zip(panels, reading.goal, strict=True):
-        _draw_trace(axes, errors[goal.name], fps, goal, reading.unit(goal))
+        _draw_trace(axes, errors[goal.name], fps, goal, reading)
     panels[-1].set_xlabel("time [s]")
     reached = in_tolerance(errors, reading)[decisive_frame(n_frames, reading)]
     outcome = "in tolerance: reached" if reached else "out of tolerance: not reached"
@@ -295,7 +295,7 @@ def final_poses(dataset: Dataset, reading: Reading) -> Figure:
         drawing.draw_bodies(axes, body, some, color, what, [strength], fill=0, linestyle=line, linewidth=1.3)
     outlines = drawing.outlines_of(body, pose)
     points = np.concatenate([*outlines, target])
-    drawing.set_frame(axes, reading, points, margin=0.05 * float(np.ptp(points, axis=0).max()), ratio=1.3)
+    drawing.set_frame(axes, reading, points, margin=0.1 * float(np.ptp(points, axis=0).max()), ratio=1.3)
     drawing.write_key(axes, "solid: reached", "dashed: not reached", f"dotted: {bodies[reading.destination].label}")
     if (~reached).sum() <= _MAX_NUMBERS:
         for episode in np.flatnonzero(~reached).tolist():
@@ -471,7 +471,8 @@ def _write_notes(axes: Axes, right: float, wrong: float) -> None:
         axes.text(0, height, text, color=color, va="top")
 
 
-def _draw_trace(axes: Axes, values: Floats, fps: float, goal: Goal, unit: str) -> None:
+def _draw_trace(axes: Axes, values: Floats, fps: float, goal: Goal, reading: Reading) -> None:
+    unit, decisive = reading.unit(goal), decisive_frame(len(values), reading)
     time = np.arange(len(values)) / fps
     end = max(time[-1], 1 / fps)
     limits = list(goal.limits.values())
@@ -479,11 +480,12 @@ def _draw_trace(axes: Axes, values: Floats, fps: float, goal: Goal, unit: str) -
     low, high = goal.at_least if goal.at_least is not None else bottom, goal.within or goal.at_most or top
     axes.axhspan(low, high, color=drawing.GREEN, alpha=0.2, linewidth=0, gid="tolerance")
     axes.plot(time, values, color=drawing.BLUE, linewidth=1.8, gid=goal.name)
-    axes.plot(time[-1], values[-1], "o", color=drawing.INK, markersize=6, gid="last stored frame")
+    what = "last stored frame" if reading.decisive == "last" else "first frame"
+    axes.plot(time[decisive], values[decisive], "o", color=drawing.INK, markersize=6, gid=what)
     label = f"{goal.name} [{unit}]" if unit else goal.name
     axes.set(ylabel=label, xlim=(0, 1.22 * end), ylim=(bottom, top))
-    last = f"last stored frame\n{values[-1]:.3f} {unit}"
-    drawing.write_label(axes, last, np.array([time[-1], values[-1]]), (1, 0.5), drawing.INK)
+    said = f"{what}\n{values[decisive]:.3f} {unit}"
+    drawing.write_label(axes, said, np.array([time[decisive], values[decisive]]), (1, 0.5), drawing.INK)
     for limit, value in goal.limits.items():
         said = f"{'tolerance' if limit == 'within' else limit.replace('_', ' ')} {value:g} {unit}"
         drawing.write_label(axes, said, np.array([0, value]), (1, 1), drawing.GREEN, gap=4)

@@ -11,7 +11,7 @@ is not.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import pi
 from typing import Literal, NamedTuple
 
@@ -97,7 +97,7 @@ class DrivenColumn:
     alike : tuple of int
         All numbers of frames ahead that fit about as well, in order.
     factor : float or None
-        How many of the action's units are one of the column's; of a velocity, a second. Negative where signs are opposite.
+        How many of the action's units are one of the column's; of a velocity, a second. Negative for opposite signs.
     unit : str
         What that factor is between units; empty where it is none.
     explained : float
@@ -374,8 +374,6 @@ def _frames(ahead: int) -> str:
 
 
 def _with_evidence(answer: DrivenColumn, offset: float, asked: Floats) -> DrivenColumn:
-    from dataclasses import replace
-
     ahead = answer.ahead or 0
     where = _frames(ahead)
     if len(answer.alike) > 1 and (answer.alike[0] < ahead - 1 or answer.alike[-1] > ahead + 1):

@@ -93,9 +93,12 @@ def bodies_of(reading: Reading, known: Mapping[str, Body]) -> dict[str, Body]:
     """
     moved = {goal.poses[0] for goal in reading.goal if goal.poses}
     goals = {goal.poses[1] for goal in reading.goal if goal.poses} - moved
+    driven = reading.action.of if reading.action else ()
+    # Where there is nothing else to move it, what the action drives brings itself to the goal.
+    by_itself = set() if set(reading.poses) - moved - goals else {n for n in moved if reading.poses[n].x in driven}
 
     def unknown(name: str) -> Body:
-        return Body(name, "object" if name in moved else "goal" if name in goals else "robot")
+        return Body(name, "object" if name in moved - by_itself else "goal" if name in goals else "robot")
 
     found = {name: known.get(name) or unknown(name) for name in reading.poses}
     return dict(sorted(found.items(), key=lambda item: _FROM_THE_GROUND.index(item[1].role)))

@@ -81,7 +81,7 @@ def decode(frames: Columns | Array, reading: Reading, schema: Schema) -> Decoded
     >>> dataset = z2r.load(z2r.STANDIN)
     >>> last = z2r.decode(dataset.read("observation.state")[-1:], z2r.PUSHT, dataset.schema)
     >>> last.pose("tee").yaw.round(3)
-    array([-0.112])
+    array([0.163])
     """
     features = frames if isinstance(frames, dict) else {reading.feature: frames}
     return Decoded(reading, named_columns(features, reading, schema), _action(features, reading, schema))

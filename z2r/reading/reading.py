@@ -210,9 +210,9 @@ def locate(name: str, feature: str, schema: Schema) -> tuple[str, int]:
         return feature, signals[feature].dim_names.index(name)
     if name in signals and signals[name].size == 1:
         return name, 0
-    other, _, dim = name.rpartition("/")
-    if other in signals:
-        dims = signals[other].dim_names
+    owners = [other for other in signals if name.startswith(f"{other}/")]  # a feature, or a dimension, may have a "/"
+    for other in owners:
+        dim, dims = name.removeprefix(f"{other}/"), signals[other].dim_names
         if dim in dims:
             return other, dims.index(dim)
         if dim.isdecimal() and dim.isascii() and len(dim) < 9 and int(dim) < signals[other].size:

@@ -118,7 +118,7 @@ def _send_world(recorder: _Recorder, decoded: Decoded, scene: Scene | None, view
     for name, body in bodies_of(decoded.reading, scene.bodies if scene else {}).items():
         pose, color = decoded.pose(name), _COLORS[body.role]
         entity = f"world/{'robot' if body.role == 'robot' else 'objects'}/{name}"
-        recorder.static(entity, _shape(body, color, view))
+        recorder.static(entity, *_shapes(body, color, view, turns=bool(decoded.reading.poses[name].orientation)))
         if body.flat and _stays(pose):
             recorder.static(entity, _first_transform(pose, body))
             continue
@@ -127,19 +127,24 @@ def _send_world(recorder: _Recorder, decoded: Decoded, scene: Scene | None, view
             _send_path(recorder, f"world/paths/{name}", _points(pose, _PATH_Z), color, view)
 
 
-def _shape(body: Body, color: tuple[int, ...], view: _View) -> rr.AsComponents:
+def _shapes(body: Body, color: tuple[int, ...], view: _View, turns: bool) -> list[rr.AsComponents]:
+    """Return what a body looks like: its shapes, or else a point, with a pointer ahead where its pose can turn."""
     if body.disc:
         radius, height = body.disc
-        return rr.Cylinders3D(lengths=[height], radii=[radius], colors=[color], fill_mode="solid")
+        return [rr.Cylinders3D(lengths=[height], radii=[radius], colors=[color], fill_mode="solid")]
     if body.boxes:
         paint = (*color, _SEE_THROUGH) if body.flat else color
-        return rr.Boxes3D(
+        boxes = rr.Boxes3D(
             centers=[(*box.center, 0) for box in body.boxes],
             half_sizes=[box.half_size for box in body.boxes],
             colors=[paint] * len(body.boxes),
             fill_mode="solid",
         )
-    return rr.Points3D([(0, 0, 0)], radii=[_POINT_SIZE * view.reach], colors=[color], labels=[body.label])
+        return [boxes]
+    size = _POINT_SIZE * view.reach
+    point = rr.Points3D([(0, 0, 0)], radii=[size], colors=[color], labels=[body.label])
+    ahead = rr.Arrows3D(vectors=[(4 * size, 0, 0)], radii=[size / 4], colors=[color])
+    return [point, ahead] if turns else [point]
 
 
 def _send_path(recorder: _Recorder, entity: str, points: Floats, color: tuple[int, ...], view: _View) -> None:
@@ -222,7 +227,7 @@ def _goals(reading: Reading | None) -> Sequence[Goal]:
 
 def _plot_title(goal: Goal, reading: Reading | None) -> str:
     said = goal.says(reading.unit(goal) if reading else "")
-    return f"{goal.name}, reached where {said}"
+    return f"reached where {said}"
 
 
 def _world_view(view: _View) -> rrb.Spatial3DView:

@@ -15,6 +15,7 @@ from pathlib import Path
 
 from z2r.format.schema import Schema
 from z2r.reading.inspection import Inspection
+from z2r.reading.reading import Reading
 from z2r.reading.scene import Scene
 from z2r.show.page.content import n_frames_for, read_content
 from z2r.show.page.markup import render
@@ -126,11 +127,11 @@ def panel(inspection: Inspection, scene: Scene | None = None) -> Panel:
     return Panel(render(content), f"{content.title}, {counts}{reached}", still)
 
 
-def n_frames_in_report(schema: Schema) -> int:
+def n_frames_in_report(schema: Schema, reading: Reading | None) -> int:
     """Say how many frames a page has room for."""
-    return n_frames_for(schema, _MAX_FRAME_BYTES)
+    return n_frames_for(schema, reading, _MAX_FRAME_BYTES)
 
 
-def n_frames_in_panel(schema: Schema) -> int:
+def n_frames_in_panel(schema: Schema, reading: Reading | None) -> int:
     """Say how many frames a page in a notebook has room for."""
-    return n_frames_for(schema, _MAX_FRAME_BYTES_IN_NOTEBOOK)
+    return n_frames_for(schema, reading, _MAX_FRAME_BYTES_IN_NOTEBOOK)

@@ -21,7 +21,6 @@ from z2r.reading.scene import Scene
 WRONG_READINGS = ("yaw-swap", "yaw-swap-everywhere", "drop-boundaries")
 
 MAX_EPISODES = 500  # to pick from: more are no list
-_DERIVED = 12  # columns: what a few readings of two bodies add to the frames
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,10 +114,20 @@ class Content:
         return goal.name if goal.column == goal.name else f"{goal.name}: {goal.column}"
 
 
-def n_frames_for(schema: Schema, max_bytes: int) -> int:
-    """Say how many frames, 4 bytes a number, fit into a page; at least one."""
-    n_columns = sum(feature.size for feature in schema.signals().values()) + _DERIVED
+def n_frames_for(schema: Schema, reading: Reading | None, max_bytes: int) -> int:
+    """Say how many frames, 4 bytes a number, fit into a page that shows what a reading makes of them; at least one."""
+    n_columns = sum(feature.size for feature in schema.signals().values()) + (_n_derived(reading) if reading else 0)
     return max(max_bytes // (4 * n_columns), 1)
+
+
+def _n_derived(reading: Reading) -> int:
+    """Count the columns that the readings of a page add to the frames, at most: yaws, and distances and turns."""
+    readings = [reading, *(break_mode(name).reading(reading) for name in WRONG_READINGS)]
+    yaws = {pose.yaw for each in readings for pose in each.poses.values() if pose.yaw}
+    goals = {
+        (goal, *(each.poses[name] for name in goal.poses)) for each in readings for goal in each.goal if goal.poses
+    }
+    return len(yaws) + len(goals)
 
 
 def read_content(inspection: Inspection, max_bytes: int, scene: Scene | None = None) -> Content:
@@ -136,7 +145,7 @@ def read_content(inspection: Inspection, max_bytes: int, scene: Scene | None = N
     dataset = inspection.dataset
     # Where a dataset was salvaged, there are other frames between its episodes: they stand side by side here.
     packed = replace(dataset, episodes=side_by_side(dataset.episodes))
-    room = n_frames_for(dataset.schema, max_bytes) * 4 // dtype_of(inspection).itemsize
+    room = n_frames_for(dataset.schema, inspection.reading, max_bytes) * 4 // dtype_of(inspection).itemsize
     kept = inspection.shown.only(slice(MAX_EPISODES))
     shown = beginning(side_by_side(kept), max(room, 1))
     rows = kept.frame_numbers[: shown.n_frames]
@@ -188,10 +197,13 @@ def wrong_view(inspection: Inspection, packed: Dataset, mode: BreakMode) -> View
     Raises
     ------
     ValueError
-        If the mode lets a frame decide that was not kept.
+        If the mode lets a frame decide that was not kept, or takes the files in another order.
     """
     assert inspection.reading is not None  # only what has an outcome is read wrong
-    reading, episodes = mode.reading(inspection.reading), mode.dataset(packed).episodes
+    reading, believed = mode.reading(inspection.reading), mode.dataset(packed)
+    if believed.files != packed.files[: len(believed.files)]:
+        raise ValueError(f"found the mode {mode.name}, expected one that leaves the files in their order")
+    episodes = believed.episodes
     decisive = episodes.to_index - 1 if reading.decisive == "last" else episodes.from_index
     frames = _kept_frames(inspection, packed.episodes, decisive)
     return View(mode, reading, episodes, outcome_of(decode(frames, reading, inspection.schema)))

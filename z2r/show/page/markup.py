@@ -97,7 +97,7 @@ def _why_unread(inspection: Inspection) -> str:
     if inspection.reading is not None:
         return f"the reading {inspection.reading.name} has no goal."
     if inspection.missing:
-        return f"the reading that was given needs {', '.join(inspection.missing)}."
+        return f"its reading needs {', '.join(inspection.missing)}, which is not there."
     return "no reading says what its columns mean, and what counts as reached."
 
 
@@ -120,7 +120,7 @@ def _player(content: Content) -> str:
         number=str(content.shown.number(0)),
         traces=_traces(content, last),
         decoded=_decoded(content, last),
-        numbers=_numbers(content, reading),
+        numbers=_numbers(content, reading) if reading.poses else "",  # else each has a plot
     )
     if not reading.poses:
         return fill("plots.html", side=side)
@@ -168,14 +168,17 @@ def _numbers(content: Content, reading: Reading) -> str:
     wanted = {locate(name, reading.feature, content.schema) for name in reading.names}
     if reading.action and not reading.missing_action(content.schema):
         wanted |= {locate(name, ACTION, content.schema) for name in reading.action.columns}
+    places = sorted(content.place(*each) for each in wanted)
+    labels = [content.columns[place][1] for place in places]
     last = content.shown.to_index[0] - 1
     rows = []
-    for name in content.frames:
-        for dim, label in enumerate(content.schema.features[name].labels):
-            if (name, dim) in wanted:
-                value = f'<dd data-column="{content.place(name, dim)}">{content.frames[name][last, dim]:.4f}</dd>'
-                unit = escape(reading.meaning(name, label).unit)
-                rows.append(f'<div><dt>{escape(printable(label))}</dt>{value}<dd class="unit">{unit}</dd></div>')
+    for place in places:
+        name, label = content.columns[place]
+        value = content.frames[name][last, place - content.place(name, 0)]
+        said = label if labels.count(label) == 1 else f"{name}: {label}"  # a joint and its target have one name
+        unit = escape(reading.meaning(name, label).unit)
+        cells = f'<dd data-column="{place}">{value:.4f}</dd><dd class="unit">{unit}</dd>'
+        rows.append(f"<div><dt>{escape(printable(said))}</dt>{cells}</div>")
     return "".join(rows)
 
 

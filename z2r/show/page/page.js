@@ -6,6 +6,7 @@
 const byId = (id) => document.getElementById(id);
 const all = (selector) => [...document.querySelectorAll(selector)];
 const page = JSON.parse(byId("data").textContent);
+const bytesOf = (text) => Uint8Array.from(atob(text), (char) => char.charCodeAt(0));
 const columns = decodeColumns(page);
 const PLOTS = 12; // dimensions that are drawn at once
 
@@ -13,8 +14,6 @@ let held = []; // a bit for each goal and frame: whether it is within its limits
 const now = { reading: page.readings[0], episode: 0, frame: 0, firstPlot: 0 };
 let playing = null; // when it began, and at which frame
 let drawing = false;
-
-const bytesOf = (text) => Uint8Array.from(atob(text), (char) => char.charCodeAt(0));
 
 function decodeColumns({ frames, bytes, shown }) {
   const raw = bytesOf(frames);
