@@ -234,12 +234,12 @@ def _regress(asked: Floats, seen: Floats) -> tuple[Floats, Floats, Floats]:
     The command is exact and what it brings about is noisy, so the column is explained by the action and not the other
     way round: noise would make the factor smaller than it is.
     """
-    mean_a, mean_s = asked.mean(axis=0), seen.mean(axis=0)
-    a, s = asked - mean_a, seen - mean_s
-    both = a.T @ s / len(a)  # (n_dims, n_columns)
-    var_a, var_s = np.square(a).mean(axis=0)[:, None], np.square(s).mean(axis=0)[None]
+    n, mean_a, mean_s = len(asked), asked.mean(axis=0), seen.mean(axis=0)
+    both = asked.T @ seen / n - np.outer(mean_a, mean_s)  # (n_dims, n_columns)
+    var_a = (np.einsum("ij,ij->j", asked, asked) / n - np.square(mean_a))[:, None]
+    var_s = (np.einsum("ij,ij->j", seen, seen) / n - np.square(mean_s))[None]
     with np.errstate(divide="ignore", invalid="ignore"):
-        explained = np.nan_to_num(np.square(both) / (var_a * var_s))
+        explained = np.clip(np.nan_to_num(np.square(both) / (var_a * var_s)), 0, 1)
         factor = np.where(both == 0, 0.0, var_a / both)
         offset = mean_a[:, None] - factor * mean_s[None]
     return explained, factor, offset
@@ -392,7 +392,7 @@ def _with_evidence(answer: DrivenColumn, offset: float, asked: Floats) -> Driven
     )
 
 
-def sample_windows(episodes: EpisodeIndex, max_frames: int = 40_000, longest: int = 400) -> EpisodeIndex:
+def sample_windows(episodes: EpisodeIndex, max_frames: int = 8_000, longest: int = 200) -> EpisodeIndex:
     """Choose stretches of episodes, evenly over a dataset, from which an action can be told.
 
     Parameters
@@ -450,7 +450,9 @@ def sample_of(frames: Columns, windows: EpisodeIndex, schema: Schema) -> ActionS
 def sampled_features(schema: Schema) -> tuple[str, ...]:
     """Return the features from which an action is told: the action, and what was observed, up to some columns."""
     signals = schema.signals()
-    wanted, n_columns = [ACTION] if ACTION in signals else [], 0
+    if ACTION not in signals:
+        return ()
+    wanted, n_columns = [ACTION], 0
     for name, feature in signals.items():
         if name.startswith("observation") and n_columns + feature.size <= _MAX_COLUMNS:
             wanted.append(name)

@@ -15,6 +15,7 @@ from z2r.arrays import Array, Bools, Columns, Ints, Progress, no_progress, reduc
 from z2r.format.dataset import Dataset, map_files
 from z2r.format.episodes import DataFile, EpisodeIndex, parts_within
 from z2r.format.schema import ACTION, STATE, Schema
+from z2r.reading.action import DrivenColumn, infer_action, sample_of, sample_windows, sampled_features
 from z2r.reading.breaks import BreakMode
 from z2r.reading.decode import Decoded, decode
 from z2r.reading.reading import Reading
@@ -87,6 +88,8 @@ class Inspection:
         The columns that the reading would have needed.
     break_mode : str or None
         Which assumption was wrong on purpose.
+    action : tuple of DrivenColumn
+        What each dimension of the action is, told from the data; empty where there is no action.
     shown : EpisodeIndex
         The first episodes, as many as there are frames of in `kept`, and of a longer first one its beginning; counted
         from the first frame in `kept`.
@@ -101,6 +104,7 @@ class Inspection:
     reading: Reading | None
     missing: tuple[str, ...]
     break_mode: str | None
+    action: tuple[DrivenColumn, ...]
     shown: EpisodeIndex
     kept: Columns
 
@@ -158,6 +162,7 @@ class Inspection:
             "success_rate": outcome and round(outcome.share_reached, 6),
             **{f"final_{name}": None if each is None else each.round(6).tolist() for name, each in errors.items()},
             "reading": self.reading and self.reading.name,
+            "action": [_rounded(driven) for driven in self.action],
         }
 
 
@@ -194,8 +199,8 @@ def inspect_dataset(
     if mode:
         dataset, reading = mode.dataset(dataset), reading and mode.reading(reading)
     schema, missing = dataset.schema, reading.missing(dataset.schema) if reading else ()
-    first = int(dataset.episodes.from_index[0])
-    fold = _Fold(dataset.episodes, first, first + keep)
+    first, windows = int(dataset.episodes.from_index[0]), sample_windows(dataset.episodes)
+    fold = _Fold(dataset.episodes, first, first + keep, windows, sampled_features(schema))
     parts = map_files(dataset, list(schema.signals()), fold, progress, executor)
     sums = _merge([part.sums for part in parts])
     fits = reading if reading and not missing else None
@@ -208,8 +213,9 @@ def inspect_dataset(
         reading=fits,
         missing=missing,
         break_mode=mode.name if mode else None,
+        action=infer_action(sample_of(_joined([part.sample for part in parts]), windows, schema)),
         shown=beginning(dataset.episodes, keep),
-        kept={name: np.concatenate([part.kept[name] for part in parts]) for name in sums.low} if keep else {},
+        kept=_joined([part.kept for part in parts]) if keep else {},
     )
 
 
@@ -256,6 +262,7 @@ class _FileSums:
 
     sums: _EpisodeSums
     kept: Columns
+    sample: Columns
 
 
 @dataclass(frozen=True, eq=False)
@@ -265,6 +272,8 @@ class _Fold:
     episodes: EpisodeIndex
     keep_from: int
     keep_to: int
+    windows: EpisodeIndex
+    sampled: tuple[str, ...]
 
     def __call__(self, file: DataFile, frames: Columns) -> _FileSums:
         place, starts, stops = parts_within(self.episodes, file.from_index, file.to_index)
@@ -277,7 +286,10 @@ class _Fold:
             last={name: values[stops - 1] for name, values in frames.items()},
         )
         # A copy: a slice would hold the whole file in memory.
-        return _FileSums(sums, {name: values[kept].copy() for name, values in frames.items()})
+        first_frames = {name: values[kept].copy() for name, values in frames.items()}
+        _, starts, stops = parts_within(self.windows, file.from_index, file.to_index)
+        rows = EpisodeIndex(starts, stops).frame_numbers
+        return _FileSums(sums, first_frames, {name: frames[name][rows] for name in self.sampled})
 
 
 def _merge(parts: list[_EpisodeSums]) -> _EpisodeSums:
@@ -296,6 +308,16 @@ def _merge(parts: list[_EpisodeSums]) -> _EpisodeSums:
         first={name: values[starts] for name, values in joined("first").items()},
         last={name: values[stops - 1] for name, values in joined("last").items()},
     )
+
+
+def _joined(parts: list[Columns]) -> Columns:
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+
+def _rounded(driven: DrivenColumn) -> dict[str, Any]:
+    """Return what one dimension of the action is as plain Python values, floats rounded to 6 places."""
+    values = msgspec.to_builtins(driven)
+    return {key: round(value, 6) if isinstance(value, float) else value for key, value in values.items()}
 
 
 def _size(schema: Schema, feature: str) -> int | None:
