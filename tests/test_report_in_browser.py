@@ -436,3 +436,34 @@ def test_a_hand_is_drawn_with_a_line_that_shows_how_it_is_turned(open_report, tm
         "(line) => [getComputedStyle(line).stroke, getComputedStyle(document.querySelector('.scene .floor')).fill]"
     )
     assert seen[0] != seen[1]
+
+
+GOALS = {
+    "at most": 'value = "gripper.pos"\nat_most = 40',
+    "at least": 'value = "shoulder_pan.pos"\nat_least = -1',
+    "between": 'value = "shoulder_pan.pos"\nat_most = 2\nat_least = -2',
+    "within": 'value = "shoulder_pan.pos"\nwithin = 2',
+    "stored": 'stored = "gripper.pos"',
+}
+
+
+@pytest.mark.parametrize("goal", GOALS)
+def test_a_trace_is_shaded_where_its_goal_holds(goal, open_report, tmp_path):
+    dataset, _ = write_arm(tmp_path / "robot")
+    (tmp_path / "mine.toml").write_text(f'[[goal]]\nname = "mine"\n{GOALS[goal]}')
+    page = open_report(dataset.root, z2r.read_reading(tmp_path / "mine.toml"))
+    for _ in range(3):
+        page.keyboard.press("Shift+ArrowRight")
+        page.keyboard.press("ArrowRight")
+        expect(page.locator(".goal .value")).not_to_have_text("")
+        dot, shade = (
+            page.locator(f".goal {part}").evaluate(
+                "(part) => ['cy', 'y', 'height'].map((name) => parseFloat(part.getAttribute(name)))"
+            )
+            for part in (".dot", ".band")
+        )
+        inside = shade[1] <= dot[0] <= shade[1] + shade[2]
+        holds = page.locator(".goal .mark").inner_text().startswith("✓")
+        assert inside == holds or goal == "stored"
+    limit = page.locator(".goal .mark").inner_text()
+    assert limit.endswith("above 0" if goal == "stored" else ("-1", "2", "-2", "40"))

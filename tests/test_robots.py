@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import rerun as rr
 from robots import ARM_REACHED, HAND_REACHED, JOINTS, write_arm, write_hand
 from test_replay import read_layout, read_rows, values
 from test_report import answers
@@ -239,3 +240,45 @@ def test_a_body_that_can_turn_points_ahead_in_the_recording(hand, tmp_path):
         [(time, [[x, y, z]])] = rows[entity, "Arrows3D:vectors"]
         assert (time, y, z) == (None, 0, 0)
         assert x > 0
+
+
+def test_names_with_slashes_and_spaces_are_one_part_of_an_entity(hand, tmp_path, capfd):
+    dataset, _ = hand
+    text = (Path(dataset.root).parent / "reading.toml").read_text()
+    text = text.replace("poses.spot", 'poses."hand/its goal"').replace('"spot"', '"hand/its goal"')
+    (tmp_path / "odd.toml").write_text(text.replace('"miss"', '"how far/<b>$x"'))
+    odd = z2r.read_reading(tmp_path / "odd.toml")
+    z2r.write_replay(dataset, tmp_path / "odd.rrd", odd)
+    assert "WARN" not in capfd.readouterr().err
+    rows = read_rows(tmp_path / "odd.rrd", "frame")
+    assert (r"/world/objects/hand\/its\ goal", "Transform3D:translation") in rows
+    entity = f"/eval/{rr.escape_entity_path_part('how far/<b>$x')}"
+    assert rows[entity, "SeriesLines:names"] == [(None, ["how far/<b>$x [m]"])]
+    page = write_page((dataset, odd), tmp_path / "page.html")
+    assert "<b>$x" not in page
+    figures.error_traces(z2r.frame_errors(decoded(hand, odd).take(dataset.episodes[0])), odd, 10).savefig(BytesIO())
+
+
+GOALS = {
+    "at most": ({"at_most": -3}, (None, -3)),
+    "at most 0": ({"at_most": 0}, (None, 0)),
+    "at least": ({"at_least": -5}, (-5, None)),
+    "between": ({"at_most": 2, "at_least": 1}, (1, 2)),
+    "within": ({"within": 3}, (-3, 3)),
+    "within and at least": ({"within": 3, "at_least": 1}, (1, 3)),
+}
+
+
+@pytest.mark.parametrize("goal", GOALS)
+def test_the_band_of_a_trace_is_where_the_goal_holds(goal):
+    limits, (low, high) = GOALS[goal]
+    reading = z2r.Reading(goal=(z2r.Goal(name="g", value="x", **limits),))
+    numbers = np.linspace(-4, 4, 801)
+    axes = figures.error_traces({"g": numbers}, reading, 10).axes[0]
+    [band] = [artist for artist in axes.get_children() if artist.get_gid() == "tolerance"]
+    bottom, top = axes.get_ylim()
+    assert bottom <= -4 < 4 <= top
+    assert band.get_y() == pytest.approx(bottom if low is None else max(low, bottom))
+    assert band.get_y() + band.get_height() == pytest.approx(top if high is None else high)
+    inside = (numbers > band.get_y() + 1e-9) & (numbers < band.get_y() + band.get_height() - 1e-9)
+    assert reading.goal[0].holds(numbers)[inside].all()

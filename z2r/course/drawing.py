@@ -44,6 +44,7 @@ _STYLE = {
     "font.size": 11,
     "hatch.linewidth": 0.6,
     "text.color": INK,
+    "text.parse_math": False,  # a name may have a dollar sign
     "xtick.color": INK,
     "ytick.color": INK,
 }

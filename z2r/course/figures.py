@@ -475,10 +475,12 @@ def _draw_trace(axes: Axes, values: Floats, fps: float, goal: Goal, reading: Rea
     unit, decisive = reading.unit(goal), decisive_frame(len(values), reading)
     time = np.arange(len(values)) / fps
     end = max(time[-1], 1 / fps)
-    limits = list(goal.limits.values())
-    top, bottom = 1.1 * max([*limits, values.max()]), min([0.0, *limits, values.min()])
-    low, high = goal.at_least if goal.at_least is not None else bottom, goal.within or goal.at_most or top
-    axes.axhspan(low, high, color=drawing.GREEN, alpha=0.2, linewidth=0, gid="tolerance")
+    low, high = goal.band
+    shown = [0.0, *goal.limits.values(), *values[np.isfinite(values)]]
+    bottom, top = min(shown), max(shown) + 0.1 * float(np.ptp(shown) or 1.0)
+    if goal.limits:
+        ends = bottom if low is None else max(low, bottom), top if high is None else high
+        axes.axhspan(*ends, color=drawing.GREEN, alpha=0.2, linewidth=0, gid="tolerance")
     axes.plot(time, values, color=drawing.BLUE, linewidth=1.8, gid=goal.name)
     what = "last stored frame" if reading.decisive == "last" else "first frame"
     axes.plot(time[decisive], values[decisive], "o", color=drawing.INK, markersize=6, gid=what)

@@ -69,6 +69,18 @@ class Goal(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_default
         """The limits that it has, by their names."""
         return {limit: value for limit in _LIMITS if (value := getattr(self, limit)) is not None}
 
+    @property
+    def band(self) -> tuple[float | None, float | None]:
+        """Between which numbers it holds, as a plot shows it; None on a side that has no limit.
+
+        >>> Goal(name="height", value="z", within=0.3, at_least=0.1).band
+        (0.1, 0.3)
+        """
+        within = [] if self.within is None else [self.within]
+        lows = [-limit for limit in within] + ([] if self.at_least is None else [self.at_least])
+        highs = within + ([] if self.at_most is None else [self.at_most])
+        return max(lows, default=None), min(highs, default=None)
+
     def says(self, unit: str = "") -> str:
         """Say it in short, such as ``pos_err < 0.03 m``."""
         signs = {"within": "<", "at_most": "<=", "at_least": ">="}

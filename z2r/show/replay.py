@@ -117,14 +117,15 @@ def _send_world(recorder: _Recorder, decoded: Decoded, scene: Scene | None, view
         recorder.static("world/walls", _walls(scene.half_width, view))
     for name, body in bodies_of(decoded.reading, scene.bodies if scene else {}).items():
         pose, color = decoded.pose(name), _COLORS[body.role]
-        entity = f"world/{'robot' if body.role == 'robot' else 'objects'}/{name}"
+        part = rr.escape_entity_path_part(name)  # a "/" would make one body move with another
+        entity = f"world/{'robot' if body.role == 'robot' else 'objects'}/{part}"
         recorder.static(entity, *_shapes(body, color, view, turns=bool(decoded.reading.poses[name].orientation)))
         if body.flat and _stays(pose):
             recorder.static(entity, _first_transform(pose, body))
             continue
         recorder.columns(entity, rr.Transform3D.columns(translation=_points(pose, body.z), quaternion=_turns(pose)))
         if body.role != "goal":
-            _send_path(recorder, f"world/paths/{name}", _points(pose, _PATH_Z), color, view)
+            _send_path(recorder, f"world/paths/{part}", _points(pose, _PATH_Z), color, view)
 
 
 def _shapes(body: Body, color: tuple[int, ...], view: _View, turns: bool) -> list[rr.AsComponents]:
@@ -157,7 +158,7 @@ def _send_path(recorder: _Recorder, entity: str, points: Floats, color: tuple[in
 def _send_errors(recorder: _Recorder, decoded: Decoded) -> None:
     errors, ends = frame_errors(decoded), np.array([0, recorder.n_frames - 1])
     for goal in decoded.reading.goal:
-        entity, title = f"eval/{goal.name}", _title(goal, decoded.reading)
+        entity, title = _entity(goal), _title(goal, decoded.reading)
         recorder.static(entity, rr.SeriesLines(names=title, colors=_COLORS["object"], widths=2))
         recorder.columns(entity, rr.Scalars.columns(scalars=errors[goal.name]))
         for limit, value in goal.limits.items():
@@ -165,6 +166,10 @@ def _send_errors(recorder: _Recorder, decoded: Decoded) -> None:
             said = f"{limit.replace('_', ' ')} {value:g} {decoded.reading.unit(goal)}".strip()
             recorder.static(line, rr.SeriesLines(names=said, colors=_COLORS["goal"]))
             recorder.columns(line, rr.Scalars.columns(scalars=[value] * 2), frames=ends)
+
+
+def _entity(goal: Goal) -> str:
+    return f"eval/{rr.escape_entity_path_part(goal.name)}"
 
 
 def _title(goal: Goal, reading: Reading) -> str:
@@ -208,7 +213,7 @@ def _turns(pose: Pose) -> Floats:
 
 
 def _blueprint(frames: Mapping[str, Array], reading: Reading | None, view: _View | None) -> rrb.Blueprint:
-    plots = [_plot(_plot_title(goal, reading), f"eval/{goal.name}", legend=False) for goal in _goals(reading)]
+    plots = [_plot(_plot_title(goal, reading), _entity(goal), legend=False) for goal in _goals(reading)]
     if view is None and STATE in frames:
         plots.insert(0, _plot("state", "observation/state"))
     if ACTION in frames:

@@ -110,7 +110,7 @@ function makeTrace(figure, label) {
   scrubWith(plot);
   let scale;
   return {
-    setEpisode(values, bottom, top, unit, band, said) {
+    setEpisode(values, bottom, top, unit, band = null, said = "", edge = null) {
       scale = (value) => 96 - (76 * (value - bottom)) / (top - bottom || 1);
       line.setAttribute("points", thinned(values, scale));
       const [from, to] = band ?? [bottom, bottom];
@@ -118,8 +118,8 @@ function makeTrace(figure, label) {
       shade.setAttribute("height", `${scale(from) - scale(to)}%`);
       high.textContent = `${short(top)} ${unit}`;
       low.textContent = band ? "" : `${short(bottom)} ${unit}`;
-      limit.textContent = said ?? "";
-      limit.style.top = `${scale(to)}%`;
+      limit.textContent = edge === null ? "" : said;
+      limit.style.top = `${scale(edge ?? bottom)}%`;
     },
     setFrame(value, frame, last) {
       const x = `${last ? (100 * frame) / last : 0}%`;
@@ -167,17 +167,13 @@ function drawGoals() {
   for (const [i, goal] of now.reading.goals.entries()) {
     const values = columns[goal.column].subarray(...span());
     const finite = values.filter(Number.isFinite);
-    const extreme = (choose) => finite.reduce((a, b) => choose(a, b), choose(0, ...goal.limits));
+    const [low, high] = goal.band ?? [null, null];
+    const extreme = (choose) => finite.reduce((a, b) => choose(a, b), choose(0, high ?? low ?? 0));
     const bottom = extreme(Math.min);
-    const top = goal.isAngle ? Math.PI : Math.max(extreme(Math.max), 2 * Math.max(0, ...goal.limits));
-    goalTraces[i].setEpisode(values, bottom, top, goal.unit, goal.limits.length && bandOf(goal, bottom, top), goal.limit);
+    const top = goal.isAngle ? Math.PI : Math.max(extreme(Math.max), 2 * (high ?? 0), 2 * (low ?? 0));
+    const band = goal.band && [Math.max(low ?? bottom, bottom), high ?? top];
+    goalTraces[i].setEpisode(values, bottom, top, goal.unit, band, goal.limit, high ?? low);
   }
-}
-
-/** Between which values a goal holds, as far as the plot shows. */
-function bandOf({ limit, limits }, bottom, top) {
-  if (limit.startsWith("at least")) return [limits[0], limits[1] ?? top];
-  return [bottom, limits[0]];
 }
 
 function drawGoal(i, at) {

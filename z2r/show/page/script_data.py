@@ -94,7 +94,7 @@ def _goals_data(decoded: Decoded, content: Content, table: _Table) -> list[dict[
             "column": table.add(errors[goal.name]),
             "held": _bits(goal.holds(errors[goal.name])),
             "limit": limit_text(decoded.reading, goal.name),
-            "limits": list(goal.limits.values()),
+            "band": goal.band if goal.limits else None,
             "isAngle": goal.turn is not None,
         }
         for goal in decoded.reading.goal
@@ -105,7 +105,8 @@ def limit_text(reading: Reading, name: str) -> str:
     """Say which limits a goal has, such as ``within 0.03 m``."""
     goal = next(goal for goal in reading.goal if goal.name == name)
     unit = reading.unit(goal)
-    return " and ".join(f"{limit.replace('_', ' ')} {value:g} {unit}".strip() for limit, value in goal.limits.items())
+    limits = [f"{limit.replace('_', ' ')} {value:g} {unit}".strip() for limit, value in goal.limits.items()]
+    return " and ".join(limits) or "above 0"
 
 
 def _bits(held: Bools) -> str:
