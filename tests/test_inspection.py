@@ -1,4 +1,6 @@
 import json
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 
 import numpy as np
 import pytest
@@ -182,3 +184,13 @@ def test_a_state_of_pictures_has_no_reading_whatever_its_names(standin_copy):
     assert chosen.outcome is chosen.reading is given.outcome is given.reading is None
     assert chosen.missing == ()  # nothing of PushT is there, so nobody takes it for PushT
     assert set(given.missing) == set(PUSHT.names)
+
+
+def test_processes_inspect_like_threads(recorded):
+    dataset = z2r.load(recorded)
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+        by_processes = z2r.inspect_dataset(dataset, executor=pool, keep=50)
+    by_threads = z2r.inspect_dataset(dataset, keep=50)
+    assert by_processes.metrics("x", 0) == by_threads.metrics("x", 0)
+    for name, kept in by_threads.kept.items():
+        np.testing.assert_array_equal(by_processes.kept[name], kept)

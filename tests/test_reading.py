@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pyarrow.parquet as pq
+import pyarrow as pa
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -437,12 +437,12 @@ def test_each_data_file_is_opened_once(work: Callable[[z2r.Dataset, Path], objec
     dataset = z2r.load(split(z2r.MESSY, tmp_path / "split"))
     opened: list[str] = []
 
-    class Counted(pq.ParquetFile):
-        def __init__(self, source: object, *args: object, **kwargs: object) -> None:
-            opened.append(f"{source}" if isinstance(source, str | Path) else f"{getattr(source, 'name', source)}")
-            super().__init__(source, *args, **kwargs)
+    def memory_map(path: str, *args: object) -> pa.NativeFile:
+        opened.append(path)
+        return map_file(path, *args)
 
-    monkeypatch.setattr(pq, "ParquetFile", Counted)
+    map_file = pa.memory_map
+    monkeypatch.setattr(pa, "memory_map", memory_map)
     work(dataset, tmp_path)
     data = [path for path in opened if "meta" not in Path(path).parts]
     assert sorted(data) == sorted(f"{file.path}" for file in dataset.files)

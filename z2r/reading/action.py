@@ -408,7 +408,7 @@ def sample_windows(episodes: EpisodeIndex, max_frames: int = 8_000, longest: int
     --------
     >>> index = EpisodeIndex(from_index=np.array([0, 3]), to_index=np.array([3, 8]))
     >>> sample_windows(index).to_index.tolist(), sample_windows(index, max_frames=4, longest=2).from_index.tolist()
-    ([3, 8], [0, 5])
+    ([3, 8], [0, 3, 7])
     """
     if episodes.n_frames <= max_frames:
         return episodes
