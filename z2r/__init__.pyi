@@ -1,5 +1,6 @@
 from .api import audit as audit
 from .api import find_reading as find_reading
+from .api import infer_action as infer_action
 from .api import inspect_dataset as inspect_dataset
 from .api import load as load
 from .api import panel as panel
@@ -21,6 +22,7 @@ from .pusht.verdict import Recording as Recording
 from .pusht.verdict import Verdict as Verdict
 from .pusht.verdict import read_verdict as read_verdict
 from .pusht.world import PUSHT as PUSHT
+from .reading.action import DrivenColumn as DrivenColumn
 from .reading.angles import decode_yaw as decode_yaw
 from .reading.angles import wrap_angle as wrap_angle
 from .reading.breaks import BREAK_MODES as BREAK_MODES

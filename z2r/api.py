@@ -5,13 +5,15 @@ What is below knows no task: it takes a reading and a scene as arguments. Here t
 
 import os
 from concurrent.futures import Executor
+from difflib import get_close_matches
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from z2r.arrays import Progress, no_progress
 from z2r.audits import audit as audits
 from z2r.audits.audit import Audit, all_checks
-from z2r.data import find_dataset
+from z2r.data import READINGS_DIR, find_dataset
 from z2r.errors import DatasetError, Fault
 from z2r.format.dataset import Dataset
 from z2r.format.dataset import load as load_folder
@@ -19,6 +21,7 @@ from z2r.format.schema import Schema, read_schema
 from z2r.pusht.scene import SCENE
 from z2r.pusht.world import PUSHT
 from z2r.reading import inspection as inspections
+from z2r.reading.action import DrivenColumn
 from z2r.reading.breaks import BreakMode
 from z2r.reading.inspection import Inspection, beginning
 from z2r.reading.reading import Reading, read_reading
@@ -29,7 +32,6 @@ from z2r.show.report import Panel, Report
 if TYPE_CHECKING:  # rerun need not be installed to read
     from z2r.show.replay import Replay
 
-SHIPPED_READINGS: dict[str, Reading] = {PUSHT.name: PUSHT}
 SCENES: dict[str, Scene] = {SCENE.name: SCENE}
 
 CHECKS: dict[str, str] = {check.name: check.asks for check in all_checks(SCENE)}
@@ -55,6 +57,16 @@ def scene_of(reading: Reading | None) -> Scene | None:
     return scene
 
 
+_ROBOTS = ("lerobot_pusht", "so101", "koch", "aloha")  # the first that fits is taken
+
+
+@cache
+def shipped_readings() -> dict[str, Reading]:
+    """Return the readings that ship, by their names: that of the shipped datasets, and those of robots people have."""
+    others = (read_reading(READINGS_DIR / f"{name}.toml") for name in _ROBOTS)
+    return {reading.name: reading for reading in (PUSHT, *others)}
+
+
 def find_reading(name: str | os.PathLike[str]) -> Reading:
     """Return a reading that ships, by its name, or the one in a file.
 
@@ -63,27 +75,28 @@ def find_reading(name: str | os.PathLike[str]) -> Reading:
     DatasetError
         If there is neither, or the file holds no reading.
     """
-    shipped = SHIPPED_READINGS.get(os.fspath(name))
-    if shipped is not None and not Path(name).exists():
-        return shipped
-    if not Path(name).exists() and not os.fspath(name).endswith(".toml"):
-        expected = f"a reading file, or one of those that ship: {', '.join(SHIPPED_READINGS)}"
-        raise DatasetError(Fault(Path(name), "", "no such file and no reading of that name", expected))
-    reading = read_reading(name)
+    shipped, path = shipped_readings(), Path(name)
+    if not path.exists() and os.fspath(name) in shipped:
+        return shipped[os.fspath(name)]
+    if not path.exists():
+        near = get_close_matches(os.fspath(name), shipped, n=1)
+        expected = f"a reading file, or one of those that ship: {', '.join(shipped)}"
+        raise DatasetError(Fault(path, "", "no such file", expected, f"Did you mean {near[0]}?" if near else ""))
+    reading = read_reading(path)
     try:
         scene_of(reading)
     except ValueError as error:
         found, _, expected = str(error).removeprefix("found ").partition(", expected ")
-        raise DatasetError(Fault(Path(name), "scene", found, expected)) from None
+        raise DatasetError(Fault(path, "scene", found, expected)) from None
     return reading
 
 
 def choose_reading(schema: Schema) -> Reading | None:
-    """Return the reading that ships and fits, or of which most columns are there: then a name may be misspelt."""
-    for reading in SHIPPED_READINGS.values():
-        if len(reading.missing(schema)) < len(reading.names) / 2:
-            return reading
-    return None
+    """Return the first reading that ships and fits; else one of which most columns are there, as if misspelt."""
+    readings = [reading for reading in shipped_readings().values() if reading.names]
+    fitting = (reading for reading in readings if not reading.missing(schema))
+    nearly = (reading for reading in readings if len(reading.missing(schema)) < len(reading.names) / 2)
+    return next(fitting, None) or next(nearly, None)
 
 
 def reading_for(root: Path) -> Reading | None:
@@ -288,6 +301,30 @@ def panel(dataset: Dataset | str | os.PathLike[str], reading: Reading | None = N
     keep = reports.n_frames_in_panel(dataset.schema, reading)
     inspection = inspect_dataset(dataset, reading=reading, keep=keep)
     return reports.panel(inspection, scene_of(inspection.reading))
+
+
+def infer_action(dataset: Dataset | str | os.PathLike[str], reading: Reading | None = None) -> tuple[DrivenColumn, ...]:
+    """Say of every dimension of the action what it is, from the data alone.
+
+    Parameters
+    ----------
+    dataset : Dataset, str or path
+        From `z2r.load`, or what that takes.
+    reading : Reading, optional
+        Says the units of the action, for the words of the evidence; the one that ships and fits, unless given.
+
+    Raises
+    ------
+    DatasetError
+        If a data file is missing, damaged, or not what the schema and the index say.
+
+    Examples
+    --------
+    >>> import z2r
+    >>> print(z2r.infer_action("standin")[0])
+    pusher_vx: the velocity of pusher_x, 1 frame ahead, within 0.013 m/s in 99 % of frames
+    """
+    return inspect_dataset(dataset, reading=reading).action
 
 
 def _folder(dataset: str | os.PathLike[str]) -> Path:

@@ -193,7 +193,7 @@ def inspect(
     with _way_out(root, salvaged=salvage):
         inspection = _inspect(_first(data, episodes), reading, mode, screen, with_replay=with_replay)
     metrics = _write_metrics(inspection, title, root, out, lost if salvage else None)
-    _say_what_was_found(screen, inspection, title, lost if salvage else None)
+    _say_what_was_found(screen, inspection, title, lost if salvage else None, given=reading is not None)
     screen.print(f"wrote {out / 'metrics.json'}", soft_wrap=True)
     if with_replay:
         _write_replay(inspection, out / "inspect.rrd", screen)
@@ -222,10 +222,12 @@ def _inspect(
         return inspect_dataset(dataset, mode, reading, move, keep=_REPLAY_FRAMES if with_replay else 0)
 
 
-def _say_what_was_found(screen: "Console", inspection: "Inspection", title: str, lost: tuple[str, ...] | None) -> None:
+def _say_what_was_found(
+    screen: "Console", inspection: "Inspection", title: str, lost: tuple[str, ...] | None, *, given: bool
+) -> None:
     from z2r.show.terminal import left_out, summary
 
-    screen.print(summary(inspection, title))
+    screen.print(summary(inspection, title, given))
     if lost is not None:
         screen.print(left_out(lost))
 
@@ -434,6 +436,40 @@ def audit(dataset: Path | None, *, reading: "Reading | None", mode: BreakMode | 
     if as_json:
         click.echo(msgspec.json.format(msgspec.json.encode(found.to_dict(title)), indent=2))
     sys.exit(found.exit_code)
+
+
+@cli.command()
+@_names_a_dataset
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, dir_okay=False),
+    metavar="FILE.toml",
+    help="The file to write. [default: the terminal]",
+)
+def reading(dataset: Path | None, *, out: Path | None) -> None:
+    """Draft a reading: what the columns of a dataset mean, as far as its data tells, and what is left to fill in.
+
+    A reading says which column means what, and what counts as reached. Other commands take it with `--reading`.
+
+    - `z2r reading my_dataset --out my.toml` writes a draft; then fill in units and a goal
+    - `z2r inspect my_dataset --reading my.toml` counts by it
+    """
+    from z2r.api import inspect_dataset, load
+    from z2r.show.draft import draft_reading
+    from z2r.show.terminal import progress
+
+    data = load(find_dataset(dataset))
+    with progress("reading", "frames", quiet=False) as move:
+        inspection = inspect_dataset(data, progress=move)
+    draft = draft_reading(inspection, data.root.resolve().name)
+    if out is None:
+        click.echo(draft, nl=False)
+        return
+    _refuse_inside(data.root, out)
+    if out.exists():
+        raise click.UsageError(f"--out: {out} exists, and you may have filled it in: name another file")
+    out.write_text(draft, encoding="utf-8")
+    click.echo(f"wrote {out}: fill in what is unknown, then z2r inspect {data.root} --reading {out}")
 
 
 @cli.command()

@@ -22,6 +22,7 @@ from z2r.errors import DatasetError, Fault
 STANDIN = Path(__file__).parent / "standin"
 MESSY = Path(__file__).parent / "messy"
 SHIPPED = {"standin": STANDIN, "messy": MESSY}
+READINGS_DIR = Path(__file__).parent / "readings"  # of robots that people have: what their columns mean
 REPLAY_STILL = Path(__file__).parent / "replay_still.png"
 
 

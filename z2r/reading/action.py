@@ -10,7 +10,7 @@ it is can only be told by the factor: where one of the two is a factor between u
 is not.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import pi
 from typing import Literal, NamedTuple
@@ -20,6 +20,7 @@ import numpy as np
 from z2r.arrays import Bools, Columns, Floats, Ints
 from z2r.format.episodes import EpisodeIndex
 from z2r.format.schema import ACTION, Schema
+from z2r.reading.reading import column_names
 
 MAX_AHEAD = 15  # frames: an answer farther ahead is not given
 _WINDOW = 20  # frames: looked at a little beyond that, so that an end of the window is seen as one
@@ -31,6 +32,7 @@ _MAX_COLUMNS = 256  # of the state
 _HOLDS = 0.7  # share of an action's variance that must be explained, in each half of the sample
 _CLEARLY = 1.5  # times as much must be left unexplained by anything else
 _ALIKE = 1.1  # times as much unexplained: these frames ahead fit as well
+_OFFSET = 0.05  # of the action's span: beside the target by more than that, it is said
 _NEAR, _FAR = 0.08, 0.15  # off by less, a factor is one between units; by more, it is none
 
 # What a factor between units says: so many of the action's are one of the state's.
@@ -104,12 +106,14 @@ class DrivenColumn:
         Share of the action's variance that is explained, in [0, 1].
     within : float or None
         In 99 % of the frames, the action is no farther from what the column says, in the unit of the action.
+    offset : float
+        Of a target, what the action is where the column is 0, if that is much.
     copied : bool
         Whether it is the state so many frames ahead, bit for bit.
     next_best : str
         The best other explanation, and how much of the variance that explains.
     evidence : str
-        All of it in a sentence; where nothing is decided, why.
+        All of it in words; where nothing is decided, why.
     """
 
     name: str
@@ -122,8 +126,12 @@ class DrivenColumn:
     unit: str = ""
     explained: float = 0.0
     within: float | None = None
+    offset: float = 0.0
     copied: bool = False
     next_best: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.name}: {self.evidence}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,13 +170,15 @@ class ActionSample:
         return self._pairs[ahead]
 
 
-def infer_action(sample: ActionSample) -> tuple[DrivenColumn, ...]:
+def infer_action(sample: ActionSample, units: Mapping[str, str] | None = None) -> tuple[DrivenColumn, ...]:
     """Say of every dimension of the action what it is, from the data alone.
 
     Parameters
     ----------
     sample : ActionSample
         Some thousand frames are plenty.
+    units : mapping of str to str, optional
+        The units of dimensions of the action, for the words of the evidence; nothing else comes of them.
 
     Returns
     -------
@@ -179,10 +189,11 @@ def infer_action(sample: ActionSample) -> tuple[DrivenColumn, ...]:
         return ()
     if len(sample.starts(_LONG)) < _MIN_FRAMES:
         why = f"cannot be decided: {len(sample.stretch):,} frames are too few"
-        return tuple(DrivenColumn(name, "unknown", f"{name} {why}") for name in sample.names)
+        return tuple(DrivenColumn(name, "unknown", why) for name in sample.names)
     moves = np.ptp(sample.state, axis=0) > 0
     table = list(_fits(sample, np.flatnonzero(moves)))
-    return tuple(_answer(sample, dim, table) for dim in range(len(sample.names)))
+    answers = (_answer(sample, dim, table) for dim in range(len(sample.names)))
+    return tuple(_in_words(answer, (units or {}).get(answer.name, "")) for answer in answers)
 
 
 class _Fits(NamedTuple):
@@ -248,15 +259,16 @@ def _regress(asked: Floats, seen: Floats) -> tuple[Floats, Floats, Floats]:
 def _answer(sample: ActionSample, dim: int, table: Sequence[_Fits]) -> DrivenColumn:
     name = sample.names[dim]
     if np.ptp(sample.action[:, dim]) == 0:
-        return DrivenColumn(name, "unknown", f"{name} cannot be decided: it never changes")
+        return DrivenColumn(name, "unknown", "cannot be decided: it never changes")
     fits = [fit for each in table for fit in _best_of(each, dim)]
     if not fits:
-        return DrivenColumn(name, "unknown", f"{name} cannot be decided: no column of the state moves")
+        return DrivenColumn(name, "unknown", "cannot be decided: no column of the state moves")
     best = max(fits, key=lambda fit: fit.explained)
     rival = _rival(best, fits)
     if why := _why_undecided(sample, dim, best, fits, rival):
-        found = f"{name} cannot be decided: {why}"
-        return DrivenColumn(name, "unknown", found, explained=best.explained, next_best=_said(sample, rival))
+        return DrivenColumn(
+            name, "unknown", f"cannot be decided: {why}", explained=best.explained, next_best=_said(sample, rival)
+        )
     return _decided(sample, dim, best, fits, rival)
 
 
@@ -322,7 +334,7 @@ def _decided(sample: ActionSample, dim: int, best: Fit, fits: Sequence[Fit], riv
     ahead = tuple(sorted(fit.ahead for fit in alike if fit.unexplained <= limit))
     asked, seen = _pairs(sample, best.way, best.ahead, slice(best.column, best.column + 1))
     off = np.abs(asked[:, dim] - best.factor * seen[:, 0] - best.offset)
-    answer = DrivenColumn(
+    return DrivenColumn(
         name=sample.names[dim],
         kind=kind,
         evidence="",
@@ -335,8 +347,8 @@ def _decided(sample: ActionSample, dim: int, best: Fit, fits: Sequence[Fit], riv
         within=float(np.quantile(off, 0.99)),
         copied=_is_copied(sample, dim, best),
         next_best=_said(sample, rival),
+        offset=best.offset if abs(best.offset) > _OFFSET * float(np.ptp(asked[:, dim])) else 0.0,
     )
-    return _with_evidence(answer, best.offset, asked[:, dim])
 
 
 def _kind(fit: Fit, fps: float) -> tuple[Kind, float, str]:
@@ -373,23 +385,31 @@ def _frames(ahead: int) -> str:
     return f"{ahead} frame{'' if ahead == 1 else 's'} ahead"
 
 
-def _with_evidence(answer: DrivenColumn, offset: float, asked: Floats) -> DrivenColumn:
-    ahead = answer.ahead or 0
-    where = _frames(ahead)
-    if len(answer.alike) > 1 and (answer.alike[0] < ahead - 1 or answer.alike[-1] > ahead + 1):
+def _in_words(answer: DrivenColumn, unit: str) -> DrivenColumn:
+    """Say what was found: which column, how many frames ahead, in which unit, and how closely."""
+    if answer.kind == "unknown" or answer.ahead is None or answer.factor is None:
+        return answer
+    where = _frames(answer.ahead)
+    if answer.alike[0] < answer.ahead - 1 or answer.alike[-1] > answer.ahead + 1:
         where = f"{answer.alike[0]} to {answer.alike[-1]} frames ahead, which all fit alike"
-    what = "target" if answer.kind == "target" else answer.kind
-    said = f"{answer.name} is the {what} of {answer.column}, {where}"
+    said = [f"the {answer.kind} of {answer.column}", where, *_scale_in_words(answer, unit)]
     if answer.copied:
-        return replace(answer, evidence=f"{said}: its very copy, bit for bit")
+        return replace(answer, evidence=", ".join([*said[:2], "its very copy, bit for bit"]))
+    close = f"within {answer.within:.3g}{f' {unit}' if unit else ''} in 99 % of frames"
+    return replace(answer, evidence=", ".join([*said, close]))
+
+
+def _scale_in_words(answer: DrivenColumn, unit: str) -> Iterator[str]:
+    """Say what is out of the ordinary: another unit, another scale, the opposite sign, beside the target."""
     factor = answer.factor or 0.0
-    signs = ", with the opposite sign" if factor < 0 else ""
-    units = f", {answer.unit}" if answer.unit and answer.unit != "the same unit" else ""
-    scale = "" if answer.unit else f", {abs(factor):.4g} for 1"
-    beside = f", off by {offset:.3g}" if answer.kind == "target" and abs(offset) > 0.1 * float(np.ptp(asked)) else ""
-    return replace(
-        answer, evidence=f"{said}{units}{scale}{signs}{beside}, within {answer.within:.3g} in 99 % of frames"
-    )
+    if not answer.unit:
+        yield f"{abs(factor):.4g} for 1"
+    elif abs(abs(factor) - 1) > _FAR:
+        yield answer.unit
+    if factor < 0:
+        yield "with the opposite sign"
+    if answer.kind == "target" and answer.offset:
+        yield f"beside it by {answer.offset:.3g}{f' {unit}' if unit else ''}"
 
 
 def sample_windows(episodes: EpisodeIndex, max_frames: int = 8_000, longest: int = 200) -> EpisodeIndex:
@@ -436,7 +456,7 @@ def sample_of(frames: Columns, windows: EpisodeIndex, schema: Schema) -> ActionS
     features = [name for name in sampled_features(schema) if name != ACTION and name in frames]
     state = [frames[name].astype(np.float64) for name in features]
     action = frames[ACTION].astype(np.float64) if ACTION in frames else np.empty((windows.n_frames, 0))
-    columns = [column for name in features for column in _column_names(name, schema)]
+    columns = [column for name in features for column in column_names(name, schema)]
     return ActionSample(
         action=action,
         state=np.concatenate(state, axis=1) if state else np.empty((len(action), 0)),
@@ -458,11 +478,3 @@ def sampled_features(schema: Schema) -> tuple[str, ...]:
             wanted.append(name)
             n_columns += feature.size
     return tuple(wanted)
-
-
-def _column_names(feature: str, schema: Schema) -> list[str]:
-    """Name the dimensions of a feature as a reading does."""
-    found = schema.features[feature]
-    if found.dim_names:
-        return list(found.dim_names) if feature == "observation.state" else [f"{feature}/{d}" for d in found.dim_names]
-    return [feature] if found.size == 1 else [f"{feature}/{place}" for place in range(found.size)]

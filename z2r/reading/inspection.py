@@ -213,7 +213,7 @@ def inspect_dataset(
         reading=fits,
         missing=missing,
         break_mode=mode.name if mode else None,
-        action=infer_action(sample_of(_joined([part.sample for part in parts]), windows, schema)),
+        action=infer_action(sample_of(_joined([part.sample for part in parts]), windows, schema), _units(fits, schema)),
         shown=beginning(dataset.episodes, keep),
         kept=_joined([part.kept for part in parts]) if keep else {},
     )
@@ -308,6 +308,12 @@ def _merge(parts: list[_EpisodeSums]) -> _EpisodeSums:
         first={name: values[starts] for name, values in joined("first").items()},
         last={name: values[stops - 1] for name, values in joined("last").items()},
     )
+
+
+def _units(reading: Reading | None, schema: Schema) -> dict[str, str]:
+    """Return what a reading says of the units of the action, by dimension."""
+    names = schema.features[ACTION].labels if reading and ACTION in schema.features else ()
+    return {name: reading.meaning(ACTION, name).unit for name in names} if reading else {}
 
 
 def _joined(parts: list[Columns]) -> Columns:

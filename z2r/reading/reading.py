@@ -129,10 +129,11 @@ class Reading(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defa
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Every column that its poses and goals read."""
+        """Every column that it needs: those of its poses and goals, and those of which it says something."""
+        of_columns = [name for name in self.columns if "/" not in name]
         of_poses = [name for pose in self.poses.values() for name in pose.names]
         of_goals = [goal.column for goal in self.goal if goal.column is not None]
-        return tuple(dict.fromkeys([*of_poses, *of_goals]))
+        return tuple(dict.fromkeys([*of_poses, *of_goals, *of_columns]))
 
     @property
     def moved(self) -> str | None:
@@ -171,7 +172,7 @@ class Reading(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defa
         return found or ColumnMeaning()
 
     def missing(self, schema: Schema) -> tuple[str, ...]:
-        """Return the columns of its poses and goals that are no numbers in the schema; none where it fits."""
+        """Return the columns that it needs and that are no numbers in the schema; none where it fits."""
         return tuple(name for name in self.names if not is_there(name, self.feature, schema))
 
     def missing_action(self, schema: Schema) -> tuple[str, ...]:
@@ -231,6 +232,14 @@ def is_there(name: str, feature: str, schema: Schema) -> bool:
     except ValueError:
         return False
     return True
+
+
+def column_names(feature: str, schema: Schema) -> list[str]:
+    """Name the dimensions of a feature as a reading does, which looks for a bare name in `observation.state`."""
+    found = schema.features[feature]
+    if found.dim_names:
+        return list(found.dim_names) if feature == STATE else [f"{feature}/{dim}" for dim in found.dim_names]
+    return [feature] if found.size == 1 else [f"{feature}/{place}" for place in range(found.size)]
 
 
 def read_reading(path: str | os.PathLike[str]) -> Reading:

@@ -46,8 +46,8 @@ def wrong_on_purpose(mode: BreakMode, applies: bool = True) -> Text:
     )
 
 
-def summary(inspection: Inspection, title: str) -> RenderableType:
-    """Return the whole summary, ready to print."""
+def summary(inspection: Inspection, title: str, given: bool = False) -> RenderableType:
+    """Return the whole summary, ready to print; `given` says whether somebody asked for the reading."""
     schema, episodes = inspection.schema, inspection.episodes
     lengths = episodes.lengths
     seconds = episodes.n_frames / schema.fps
@@ -57,8 +57,9 @@ def summary(inspection: Inspection, title: str) -> RenderableType:
         f" ({seconds:,.1f} s), LeRobot {printable(schema.codebase_version)}",
     )
     spread = f"\nlengths: {lengths.min()} to {lengths.max()} frames, {lengths.mean():.1f} on average"
+    tables = (_schema_table(inspection), _action(inspection), _Episodes(inspection))
     return Group(
-        head, Text(), _schema_table(inspection), Text(), _Episodes(inspection), Text(spread), _reached(inspection)
+        head, *(part for table in tables for part in (Text(), table)), Text(spread), _reached(inspection, given)
     )
 
 
@@ -140,6 +141,22 @@ def _schema_rows(inspection: Inspection) -> list[tuple[str, ...]]:
     return rows
 
 
+def _action(inspection: Inspection) -> RenderableType:
+    """Say what each dimension of the action is, as far as the data tells."""
+    if not inspection.action:
+        return Text("no action in the dataset", style="dim")
+    table = _table("What the action is, inferred from how the state follows it")
+    table.show_header = False
+    table.add_column(overflow="fold")
+    table.add_column(overflow="fold")
+    for driven in inspection.action[:MAX_ROWS]:
+        style = "yellow" if driven.kind == "unknown" else ""
+        table.add_row(printable(driven.name), Text(printable(driven.evidence), style=style))
+    if len(inspection.action) > MAX_ROWS:
+        table.add_row("...", Text(f"and {len(inspection.action) - MAX_ROWS:,} more", style="dim"))
+    return table
+
+
 def _shape(schema: Schema, name: str) -> str:
     shape = schema.features[name].shape
     return "" if shape == (1,) else " x ".join(str(size) for size in shape)
@@ -203,7 +220,7 @@ def _outcome_columns(inspection: Inspection) -> list[str]:
     return [*(f"{name} [{unit}]" if unit else name for name, unit in units.items()), "reached"]
 
 
-def _reached(inspection: Inspection) -> Text:
+def _reached(inspection: Inspection, given: bool) -> Text:
     outcome, reading = inspection.outcome, inspection.reading
     if outcome is None or reading is None:
         return Text(f"reached: unknown, {_why_unknown(inspection)}", style="yellow")
@@ -213,16 +230,17 @@ def _reached(inspection: Inspection) -> Text:
         (f"reached {reading.destination}: ", "bold"),
         (f"{outcome.n_reached}/{len(outcome.reached)}", "bold green" if np.all(outcome.reached) else "bold yellow"),
         f" ({outcome.share_reached:.0%})",
-        (f"\nthat is, as the reading {printable(reading.name)} has it: {says} in the {frame} frame", "dim"),
+        (f"\ndeclared by the reading {printable(reading.name)}{'' if given else ', which ships and fits'}: ", "dim"),
+        (f"{says} in the {frame} frame", "dim"),
     )
 
 
 def _why_unknown(inspection: Inspection) -> str:
     if inspection.reading is not None:
-        return f"for the reading {printable(inspection.reading.name)} has no goal"
+        return f"for the reading {printable(inspection.reading.name)} has no goal: z2r reading drafts one to fill in"
     if inspection.missing:
         return f"for the schema lacks what the reading needs: {printable(', '.join(inspection.missing))}"
-    return "for no reading says what its columns mean: give one with --reading FILE"
+    return "for no reading says what its columns mean: z2r reading drafts one to fill in"
 
 
 def console(quiet: bool = False) -> Console:
