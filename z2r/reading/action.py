@@ -12,6 +12,7 @@ is not.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from math import pi
 from typing import Literal, NamedTuple
 
@@ -24,13 +25,21 @@ from z2r.reading.reading import column_names
 
 MAX_AHEAD = 15  # frames: an answer farther ahead is not given
 _WINDOW = 20  # frames: looked at a little beyond that, so that an end of the window is seen as one
-_LONG = 5  # frames: over as many, a change stands out from the noise of a sensor
-_OVER = 2  # frames at least, of a change that takes several
+_SPANS = {"change": 1, "long change": 5, "longer change": 15}  # frames: a longer one stands out from sensor noise
+_ALL_FOLLOW = 0.97  # explained: below, a joint may be held back at times
+_NOISY = 0.9  # explained: below, nobody knows which of the two is noisy
+_CLOSE = 0.02  # of the action's span
+_BESIDE = 1.6  # times: what holds a joint back makes a factor look so much larger at most
+_BLAS_ALONE = 200_000  # multiplications: OpenBLAS takes one thread for so few
 _MIN_FRAMES = 60  # from fewer nothing is said
 _MAX_COLUMNS = 256  # of the state
 
 _HOLDS = 0.7  # share of an action's variance that must be explained, in each half of the sample
 _CLEARLY = 1.5  # times as much must be left unexplained by anything else
+_FLOOR = 1e-4  # of the variance: what leaves less than that unexplained explains all
+_SPREAD = 0.6  # of what a change at once leaves unexplained: a change that takes several frames must leave less
+_CHANCE = 0.01  # that something unrelated explains as much
+_MOSTLY = 0.9  # of its frames, a column must have a number
 _ALIKE = 1.1  # times as much unexplained: these frames ahead fit as well
 _OFFSET = 0.05  # of the action's span: beside the target by more than that, it is said
 _NEAR, _FAR = 0.08, 0.15  # off by less, a factor is one between units; by more, it is none
@@ -55,7 +64,8 @@ class Fit(NamedTuple):
     Attributes
     ----------
     way : str
-        ``target``, or one of the ways of a change: ``change``, ``long change`` or ``over``.
+        ``target``, one of the ways of a change that the actions of as many frames bring about (``change``,
+        ``long change``, ``longer change``), or ``spread``: a change that one action brings about over several frames.
     column : int
         Which column of the state.
     ahead : int
@@ -159,7 +169,22 @@ class ActionSample:
     names: tuple[str, ...]
     columns: tuple[str, ...]
     fps: float
-    _pairs: dict[int, Ints] = field(default_factory=dict)
+    _pairs: dict[int, Ints] = field(default_factory=dict, init=False, repr=False)
+
+    @cached_property
+    def sums(self) -> Floats:
+        """The action summed up to each frame, float64[n_frames + 1, n_dims]: the sum over some is a difference."""
+        return np.concatenate([np.zeros((1, self.action.shape[1])), np.cumsum(self.action, axis=0)])
+
+    @cached_property
+    def turns(self) -> Floats:
+        """The period of each column that is an angle and goes on at the other end of its range, else 0."""
+        now = self.starts(1)
+        leap, span = np.abs(self.state[now + 1] - self.state[now]).max(axis=0, initial=0), np.ptp(self.state, axis=0)
+        turns = np.zeros(self.state.shape[1])
+        for period in (2 * pi, 360.0):
+            turns[(leap > 0.75 * period) & (span < 1.01 * period)] = period
+        return turns
 
     def starts(self, ahead: int) -> Ints:
         """Return the frames that have a frame so far ahead in their own stretch, int64[n]."""
@@ -187,13 +212,29 @@ def infer_action(sample: ActionSample, units: Mapping[str, str] | None = None) -
     """
     if not len(sample.names):
         return ()
-    if len(sample.starts(_LONG)) < _MIN_FRAMES:
+    sample = _with_numbers_only(sample)
+    if len(sample.starts(max(_SPANS.values()) // 3)) < _MIN_FRAMES:
         why = f"cannot be decided: {len(sample.stretch):,} frames are too few"
         return tuple(DrivenColumn(name, "unknown", why) for name in sample.names)
     moves = np.ptp(sample.state, axis=0) > 0
     table = list(_fits(sample, np.flatnonzero(moves)))
     answers = (_answer(sample, dim, table) for dim in range(len(sample.names)))
     return tuple(_in_words(answer, (units or {}).get(answer.name, "")) for answer in answers)
+
+
+def _with_numbers_only(sample: ActionSample) -> ActionSample:
+    """Leave out columns that often have no number, and the frames in which another has none: time stops there."""
+    if not len(sample.stretch):
+        return sample
+    finite = np.isfinite(sample.state)
+    kept = finite.mean(axis=0) > _MOSTLY
+    whole = finite[:, kept].all(axis=1) & np.isfinite(sample.action).all(axis=1)
+    if whole.all() and kept.all():
+        return sample
+    stretch = np.cumsum(np.diff(sample.stretch, prepend=sample.stretch[:1]) != 0) + np.cumsum(~whole)
+    columns = tuple(name for name, keep in zip(sample.columns, kept, strict=True) if keep)
+    state = sample.state[:, kept][whole]
+    return ActionSample(sample.action[whole], state, stretch[whole], sample.names, columns, sample.fps)
 
 
 class _Fits(NamedTuple):
@@ -217,8 +258,8 @@ def _fits(sample: ActionSample, columns: Ints) -> Iterator[_Fits]:
 
 def _hypotheses() -> Iterator[tuple[str, int]]:
     yield from (("target", ahead) for ahead in range(_WINDOW + 1))
-    yield from ((way, ahead) for way in ("change", "long change") for ahead in range(_WINDOW + 1))
-    yield from (("over", ahead) for ahead in range(_OVER, _WINDOW + 1))
+    yield from ((way, ahead) for way in _SPANS for ahead in range(_WINDOW + 1))
+    yield from (("spread", ahead) for ahead in range(2, _WINDOW + 1))
 
 
 def _pairs(sample: ActionSample, way: str, ahead: int, columns: Ints | slice) -> tuple[Floats, Floats]:
@@ -227,16 +268,22 @@ def _pairs(sample: ActionSample, way: str, ahead: int, columns: Ints | slice) ->
     if way == "target":
         now = sample.starts(ahead)
         return sample.action[now], state[now + ahead]
-    if way == "over":
+    if way == "spread":
         now = sample.starts(ahead)
-        return sample.action[now], state[now + ahead] - state[now]
-    n = _LONG if way == "long change" else 1
+        return sample.action[now], _change(sample, columns, state[now + ahead] - state[now]) / ahead
+    n = _SPANS[way]
     first = sample.starts(ahead + n - 1 if ahead else n)  # the change ends `ahead` frames ahead, or begins a frame ago
     if not ahead:
         first = first[first > 0]
         first = first[sample.stretch[first - 1] == sample.stretch[first]]
-    asked = np.mean([sample.action[first + i] for i in range(n)], axis=0)
-    return asked, (state[first + ahead - 1 + n] - state[first + ahead - 1]) / n
+    asked = (sample.sums[first + n] - sample.sums[first]) / n if n > 1 else sample.action[first]
+    return asked, _change(sample, columns, state[first + ahead - 1 + n] - state[first + ahead - 1]) / n
+
+
+def _change(sample: ActionSample, columns: Ints | slice, change: Floats) -> Floats:
+    """Take an angle that goes on at the other end of its range for what it is: a small change."""
+    turn = sample.turns[columns]
+    return change - turn * np.round(change / np.where(turn > 0, turn, 1)) if turn.any() else change
 
 
 def _regress(asked: Floats, seen: Floats) -> tuple[Floats, Floats, Floats]:
@@ -246,7 +293,7 @@ def _regress(asked: Floats, seen: Floats) -> tuple[Floats, Floats, Floats]:
     way round: noise would make the factor smaller than it is.
     """
     n, mean_a, mean_s = len(asked), asked.mean(axis=0), seen.mean(axis=0)
-    both = asked.T @ seen / n - np.outer(mean_a, mean_s)  # (n_dims, n_columns)
+    both = _cross(asked, seen) / n - np.outer(mean_a, mean_s)  # (n_dims, n_columns)
     var_a = (np.einsum("ij,ij->j", asked, asked) / n - np.square(mean_a))[:, None]
     var_s = (np.einsum("ij,ij->j", seen, seen) / n - np.square(mean_s))[None]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -256,6 +303,16 @@ def _regress(asked: Floats, seen: Floats) -> tuple[Floats, Floats, Floats]:
     return explained, factor, offset
 
 
+def _cross(asked: Floats, seen: Floats) -> Floats:
+    """Return ``asked.T @ seen``, in blocks that BLAS multiplies in one thread: its threads cost more than they save."""
+    n_dims, n_columns = asked.shape[1], seen.shape[1]
+    size = max(_BLAS_ALONE // max(n_dims * n_columns, 1), 1)
+    whole = len(asked) // size * size
+    blocks = asked[:whole].reshape(-1, size, n_dims).transpose(0, 2, 1) @ seen[:whole].reshape(-1, size, n_columns)
+    both: Floats = blocks.sum(axis=0) + asked[whole:].T @ seen[whole:]
+    return both
+
+
 def _answer(sample: ActionSample, dim: int, table: Sequence[_Fits]) -> DrivenColumn:
     name = sample.names[dim]
     if np.ptp(sample.action[:, dim]) == 0:
@@ -263,7 +320,7 @@ def _answer(sample: ActionSample, dim: int, table: Sequence[_Fits]) -> DrivenCol
     fits = [fit for each in table for fit in _best_of(each, dim)]
     if not fits:
         return DrivenColumn(name, "unknown", "cannot be decided: no column of the state moves")
-    best = max(fits, key=lambda fit: fit.explained)
+    best = _best(fits)
     rival = _rival(best, fits)
     if why := _why_undecided(sample, dim, best, fits, rival):
         return DrivenColumn(
@@ -277,6 +334,13 @@ def _best_of(fits: _Fits, dim: int) -> Iterator[Fit]:
     for place in np.argsort(-fits.explained[dim])[:2].tolist():
         numbers = (float(each[dim, place]) for each in (fits.explained, fits.factor, fits.offset))
         yield Fit(fits.way, int(fits.columns[place]), fits.ahead, *numbers)
+
+
+def _best(fits: Sequence[Fit]) -> Fit:
+    """Return what explains most; a change over several frames is only taken where one at once is clearly worse."""
+    at_once = max((fit for fit in fits if fit.way != "spread"), key=lambda fit: fit.explained)
+    spread = max(fits, key=lambda fit: fit.explained)
+    return spread if spread.unexplained < _SPREAD * at_once.unexplained else at_once
 
 
 def _is_target(fit: Fit) -> bool:
@@ -296,9 +360,11 @@ def _why_undecided(sample: ActionSample, dim: int, best: Fit, fits: Sequence[Fit
     halves = _explained_in_halves(sample, dim, best)
     if halves.min() < _HOLDS:
         return f"{_said(sample, best)}, but only {halves.min():.0%} in half of the frames"
-    if rival and rival.unexplained < _CLEARLY * best.unexplained + 1e-9 and not _is_copied(sample, dim, best):
+    if _by_chance(sample, dim, best) > _CHANCE:
+        return f"{_said(sample, best)}, but there is too little motion to tell that from chance"
+    if rival and rival.unexplained < max(_CLEARLY * best.unexplained, _FLOOR) and not _is_copied(sample, dim, best):
         return f"{_said(sample, best)}, and {_said(sample, rival)}"
-    if best.ahead > MAX_AHEAD + 1:
+    if _centre(best) > MAX_AHEAD:
         return f"{_said(sample, best)}, and more so the farther ahead: what it does lies beyond the {MAX_AHEAD} frames"
     return ""
 
@@ -307,7 +373,8 @@ def _explained_in_halves(sample: ActionSample, dim: int, fit: Fit) -> Floats:
     """Say how much of the action each half of the sample explains, with what the other half says, float64[2]."""
     asked, seen = _pairs(sample, fit.way, fit.ahead, slice(fit.column, fit.column + 1))
     a, s = asked[:, dim], seen[:, 0]
-    first = np.arange(len(a)) < len(a) // 2
+    moved = np.cumsum(np.square(a - a.mean()))
+    first = moved <= moved[-1] / 2  # halves of its motion, and not of its time
     return np.array([_explained_by(a, s, first), _explained_by(a, s, ~first)])
 
 
@@ -320,6 +387,37 @@ def _explained_by(asked: Floats, seen: Floats, known: Bools) -> float:
     return float(1 - np.square(left).mean() / spread) if spread else 0.0
 
 
+def _by_chance(sample: ActionSample, dim: int, fit: Fit) -> float:
+    """Say how likely something among all explanations would explain as much if nothing were related, at most 1.
+
+    Smooth motion tells less than its number of frames, and its changes may tell more than its course: both are asked.
+    """
+    asked, seen = _pairs(sample, fit.way, fit.ahead, slice(fit.column, fit.column + 1))
+    n_tried = sample.state.shape[1] * _WINDOW
+    a, s = asked[:, dim], seen[:, 0]
+    return min(1.0, *(n_tried * _chance(a[n:] - a[:-n] if n else a, s[n:] - s[:-n] if n else s) for n in (0, 1, 5)))
+
+
+def _chance(one: Floats, other: Floats) -> float:
+    """Say how likely two series that have nothing to do with each other would be so much alike.
+
+    What is left of their number is taken from how much each value is like the one before (M. S. Bartlett, "Some aspects
+    of the time-correlation problem in regard to tests of significance", 1935).
+    """
+    a, b = one - one.mean(), other - other.mean()
+    spread = float(np.sqrt((a @ a) * (b @ b)))
+    unexplained = 1 - (a @ b / spread) ** 2 if spread else 1.0
+    like = _likeness(a) * _likeness(b)
+    n_telling = len(a) * (1 - like) / (1 + like)
+    return float(max(unexplained, 1e-12) ** max((n_telling - 2) / 2, 0))
+
+
+def _likeness(values: Floats) -> float:
+    """Correlation of each value with the next, in [0, 1)."""
+    spread = float(values @ values)
+    return float(np.clip(values[1:] @ values[:-1] / spread, 0.0, 1 - 1e-9)) if spread else 0.0
+
+
 def _is_copied(sample: ActionSample, dim: int, fit: Fit) -> bool:
     if not _is_target(fit):
         return False
@@ -328,18 +426,20 @@ def _is_copied(sample: ActionSample, dim: int, fit: Fit) -> bool:
 
 
 def _decided(sample: ActionSample, dim: int, best: Fit, fits: Sequence[Fit], rival: Fit | None) -> DrivenColumn:
+    asked, seen = _pairs(sample, best.way, best.ahead, slice(best.column, best.column + 1))
+    factor, offset = _mostly(asked[:, dim], seen[:, 0], best)
+    best = best._replace(factor=factor, offset=offset)
     kind, factor, unit = _kind(best, sample.fps)
     alike = [fit for fit in fits if fit.way == best.way and fit.column == best.column]
     limit = _ALIKE * best.unexplained + 1e-9
-    ahead = tuple(sorted(fit.ahead for fit in alike if fit.unexplained <= limit))
-    asked, seen = _pairs(sample, best.way, best.ahead, slice(best.column, best.column + 1))
+    ahead = tuple(sorted({_centre(fit) for fit in alike if fit.unexplained <= limit} | {_centre(best)}))
     off = np.abs(asked[:, dim] - best.factor * seen[:, 0] - best.offset)
     return DrivenColumn(
         name=sample.names[dim],
         kind=kind,
         evidence="",
         column=sample.columns[best.column],
-        ahead=best.ahead,
+        ahead=_centre(best),
         alike=ahead,
         factor=factor,
         unit=unit,
@@ -349,6 +449,31 @@ def _decided(sample: ActionSample, dim: int, best: Fit, fits: Sequence[Fit], riv
         next_best=_said(sample, rival),
         offset=best.offset if abs(best.offset) > _OFFSET * float(np.ptp(asked[:, dim])) else 0.0,
     )
+
+
+def _centre(fit: Fit) -> int:
+    """Return how many frames ahead; of a change over several frames, where its middle is."""
+    return (fit.ahead + 1) // 2 if fit.way == "spread" else fit.ahead
+
+
+def _mostly(asked: Floats, seen: Floats, fit: Fit) -> tuple[float, float]:
+    """Return the factor and the offset that fit the most frames closely.
+
+    A joint that is held back by what it grips or pushes does not follow, and that is no other factor: where a factor
+    between units is near, and holds in more frames than the one of least squares, it is the one.
+    """
+    close = _CLOSE * float(np.ptp(asked))
+    near = [np.sign(fit.factor) * known for known in _FACTORS if 1 / _BESIDE < abs(fit.factor) / known < _BESIDE]
+    tried = [(factor, offset) for factor in near for offset in (float(np.median(asked - factor * seen)), 0.0)]
+
+    def n_close(candidate: tuple[float, float]) -> int:
+        return int((np.abs(asked - candidate[0] * seen - candidate[1]) < close).sum())
+
+    least_squares = fit.factor, fit.offset
+    if fit.explained < _NOISY:  # in the state or in the command: halfway between what either would say
+        factor = fit.factor * fit.explained**0.5
+        least_squares = factor, float(asked.mean() - factor * seen.mean())
+    return max([least_squares, *tried], key=n_close) if fit.explained < _ALL_FOLLOW else least_squares
 
 
 def _kind(fit: Fit, fps: float) -> tuple[Kind, float, str]:
