@@ -1,7 +1,7 @@
 """What an action is, told from the data alone: never wrong, and decided where anyone would see it.
 
-Every robot of `action_robots.py` is read once; each dimension of its action is judged against how it was made. The table of
-all robots is printed at the end (`pytest -s tests/test_action.py`).
+Every robot of `action_robots.py` is read once; each dimension of its action is judged against how it was made. The
+table of all robots is printed at the end (`pytest -s tests/test_action.py`).
 """
 
 from collections import Counter

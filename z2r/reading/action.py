@@ -217,7 +217,7 @@ def infer_action(sample: ActionSample, units: Mapping[str, str] | None = None) -
         why = f"cannot be decided: {len(sample.stretch):,} frames are too few"
         return tuple(DrivenColumn(name, "unknown", why) for name in sample.names)
     moves = np.ptp(sample.state, axis=0) > 0
-    table = list(_fits(sample, np.flatnonzero(moves)))
+    table = list(_fits(sample, np.flatnonzero(moves))) if moves.any() else []
     answers = (_answer(sample, dim, table) for dim in range(len(sample.names)))
     return tuple(_in_words(answer, (units or {}).get(answer.name, "")) for answer in answers)
 
