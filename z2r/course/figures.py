@@ -22,6 +22,7 @@ from z2r.format.dataset import Dataset
 from z2r.format.episodes import EpisodeIndex
 from z2r.pusht.overlap import pusher_in_block
 from z2r.pusht.world import BODIES, PUSHT
+from z2r.reading.action import explained_by_frames, sample_of, sample_windows, sampled_features
 from z2r.reading.angles import decode_yaw, wrap_angle
 from z2r.reading.bodies import Body
 from z2r.reading.decode import Decoded, decode
@@ -399,6 +400,39 @@ def what_changes(changes: Sequence[Change]) -> Figure:
             style: dict[str, Any] = {"boxstyle": "round,pad=0.25", "edgecolor": drawing.WRONG, "facecolor": "none"}
             axes.text(column, row, text or "·", ha="center", va="center", bbox=style if text else None)
         axes.text(after, row, _noticed(change), va="center", weight="normal" if change.checks else "bold")
+    return figure
+
+
+@drawing.in_style
+def action_fits(dataset: Dataset, dim: int = 0) -> Figure:
+    """Draw how well each explanation explains one dimension of the action, frames ahead by frames ahead.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        From `z2r.load`. Its frames are in memory at once.
+    dim : int, optional
+        Which dimension of the action.
+
+    Raises
+    ------
+    ValueError
+        If the dataset has no such dimension.
+    """
+    inspection = inspect_dataset(dataset)
+    if not 0 <= dim < len(inspection.action):
+        raise ValueError(f"found dimension {dim}, expected one of {len(inspection.action)}")
+    driven, windows = inspection.action[dim], sample_windows(dataset.episodes)
+    frames = {name: dataset.read(name)[windows.frame_numbers] for name in sampled_features(dataset.schema)}
+    curves = explained_by_frames(sample_of(frames, windows, dataset.schema), dim)
+    figure = drawing.new_figure(8, 3.2)
+    axes = figure.subplots()
+    for (what, values), color, style in zip(curves.items(), (drawing.BLUE, drawing.VERMILLION), "os", strict=False):
+        axes.plot(100 * values, f"{style}-", color=color, markersize=4, linewidth=1, gid=what)
+        best = int(np.argmax(values))
+        drawing.write_label(axes, what, np.array([best, 100 * values[best]]), (0, 1), color)
+    axes.set(xlabel="frames ahead", ylabel="of the action explained [%]", ylim=(0, 118))
+    axes.set_title(f"{driven.name}: {driven.evidence}".replace("$", r"\$"), size=10)
     return figure
 
 

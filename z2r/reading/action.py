@@ -237,6 +237,30 @@ def _with_numbers_only(sample: ActionSample) -> ActionSample:
     return ActionSample(sample.action[whole], state, stretch[whole], sample.names, columns, sample.fps)
 
 
+def explained_by_frames(sample: ActionSample, dim: int) -> dict[str, Floats]:
+    """Say how much of one dimension of the action is explained, by the column that explains it best, frames ahead.
+
+    Parameters
+    ----------
+    sample : ActionSample
+        Frames enough for an answer.
+    dim : int
+        Which dimension of the action.
+
+    Returns
+    -------
+    dict of str to ndarray, float64[n]
+        As a target, and as a change from one frame to the next: the share explained 0, 1, 2 ... frames ahead, in [0, 1].
+    """
+    moves = np.flatnonzero(np.ptp(sample.state, axis=0) > 0)
+    table = list(_fits(sample, moves)) if len(moves) else []
+    found = {}
+    for way, what in (("target", "as a target"), ("change", "as a change")):
+        shares = [each.explained[dim] for each in table if each.way == way]  # of each column, so many frames ahead
+        found[what] = np.max(shares, axis=1) if shares else np.zeros(1)
+    return found
+
+
 class _Fits(NamedTuple):
     """All explanations of one way and one number of frames ahead; arrays are (n_dims, n_columns)."""
 
