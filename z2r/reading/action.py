@@ -250,7 +250,7 @@ def explained_by_frames(sample: ActionSample, dim: int) -> dict[str, Floats]:
     Returns
     -------
     dict of str to ndarray, float64[n]
-        As a target, and as a change from one frame to the next: the share explained 0, 1, 2 ... frames ahead, in [0, 1].
+        As a target, and as a change in a frame: the share explained 0, 1, 2 ... frames ahead, in [0, 1].
     """
     moves = np.flatnonzero(np.ptp(sample.state, axis=0) > 0)
     table = list(_fits(sample, moves)) if len(moves) else []
