@@ -6,6 +6,7 @@ shows it once: where it is the last expression of a cell.
 """
 
 from collections.abc import Sequence
+from textwrap import wrap
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from matplotlib.patheffects import withStroke
+from matplotlib.ticker import MaxNLocator
 
 from z2r.api import inspect_dataset
 from z2r.arrays import Bools, Floats
@@ -431,8 +433,9 @@ def action_fits(dataset: Dataset, dim: int = 0) -> Figure:
         axes.plot(100 * values, f"{style}-", color=color, markersize=4, linewidth=1, gid=what)
         best = int(np.argmax(values))
         drawing.write_label(axes, what, np.array([best, 100 * values[best]]), (0, 1), color)
-    axes.set(xlabel="frames ahead", ylabel="of the action explained [%]", ylim=(0, 118))
-    axes.set_title(f"{driven.name}: {driven.evidence}".replace("$", r"\$"), size=10)
+    axes.set(xlabel="frames ahead", ylabel="of the action explained [%]", xlim=(-1, 23), ylim=(0, 118))
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    axes.set_title("\n".join(wrap(f"{driven}".replace("$", r"\$"), 90)), size=10)
     return figure
 
 
