@@ -131,6 +131,15 @@ class Inspection:
         return self.dataset.episodes
 
     @property
+    def agreement(self) -> str:
+        """In how many episodes reading and dataset agree, and in which not; empty where they are not two witnesses."""
+        if self.outcome is None or self.stored is None or self.reading is None:
+            return ""
+        if all(goal.stored == self.stored.source for goal in self.reading.goal):
+            return ""
+        return self.stored.agreement(self.outcome.reached, self.episodes)
+
+    @property
     def last_frames(self) -> Columns:
         """The last frame of every episode: every numeric feature, (n_episodes, size)."""
         return self.ends["last"]

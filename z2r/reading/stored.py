@@ -126,7 +126,8 @@ def levels_of(values: Array) -> Floats:
     """
     flat = values.ravel().astype(np.float64)
     ends = np.unique([flat.min(), flat.max()]) if len(flat) else flat
-    return np.unique(np.concatenate([ends, flat[~np.isin(flat, ends)][:1]]))
+    levels: Floats = np.unique(np.concatenate([ends, flat[~np.isin(flat, ends)][:1]]))
+    return levels
 
 
 def why_no_success(levels: Floats) -> str:
