@@ -263,7 +263,9 @@ def _join_flags(parts: Sequence[Flag | None], starts: Ints, ends: Ints) -> Flag 
 
 def _stored(schema: Schema, success: Flag | None, reward: Floats | None, levels: Floats) -> StoredSuccess | None:
     """Say which episodes are called a success, as `z2r inspect` does."""
-    label, high, last = label_in(schema), {}, {}
+    label = label_in(schema)
+    high: Columns = {}
+    last: Columns = {}
     if label and success:
         high[label], last[label] = success.ever[:, None], success.last[:, None]
     elif not label and reward is not None:
