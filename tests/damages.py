@@ -78,9 +78,42 @@ class Damage:
     harmless: bool = False
 
 
+FAILED, LUCKY = 2, 10  # of `messy`: an episode that is read as not reached, and the one that is, without success
+
+
+def forget(root: Path, name: str) -> None:
+    """Let a feature never have been there."""
+    drop_column(root, DATA, name)
+    edit_info(root, features={key: value for key, value in read_json(root, INFO)["features"].items() if key != name})
+    restate(root)
+
+
+def label(root: Path) -> None:
+    """Let `messy` store itself what the simulator said of it: success and a reward in the last frame, and done.
+
+    The one episode that is reached and no success becomes one: of that, the audit has something to say.
+    """
+    shutil.copytree(z2r.MESSY, root)
+    said = json.loads(verdict_path(z2r.MESSY).read_text())
+    success = [episode["success"] or number == LUCKY for number, episode in enumerate(said["episodes"])]
+
+    def in_place(frames: Frames, slices: list[slice]) -> None:
+        last = np.zeros(len(frames["index"]), dtype=bool)
+        last[[own.stop - 1 for own in slices]] = True
+        frames["next.success"] = last & np.repeat(success, [own.stop - own.start for own in slices])
+        frames["next.reward"] = frames["next.success"].astype(np.float32)
+        frames["next.done"] = last
+
+    edit_frames(root, in_place, restated=False)
+    for name, dtype in (("next.success", "bool"), ("next.reward", "float32"), ("next.done", "bool")):
+        edit_feature(root, name, dtype=dtype, shape=[1], names=None)
+    restate(root)
+
+
 BASES: dict[str, Callable[[Path], object]] = {
     "standin": lambda root: shutil.copytree(z2r.STANDIN, root),
     "messy": lambda root: shutil.copytree(z2r.MESSY, root),
+    "labelled": label,
     "split": lambda root: lay_out_again(z2r.MESSY, root, Layout([3, 4, 1, 4, 2], [5, 6, 3], episode_stats=True)),
     "unpadded": lambda root: lay_out_again(
         z2r.MESSY,
@@ -505,6 +538,38 @@ def from_row(row: int, by: float) -> Callable[[np.ndarray], np.ndarray]:
 
 def at_row(row: int, by: float) -> Callable[[np.ndarray], np.ndarray]:
     return lambda values: values + by * (np.arange(len(values)) == row)
+
+
+def relabel(name: str, change: Callable[[np.ndarray], Any], *episodes: int) -> Callable[[Path], None]:
+    """Change one label, in all episodes or in some."""
+
+    def in_place(frames: Frames, slices: list[slice]) -> None:
+        for own in [slices[episode] for episode in episodes] or slices:
+            frames[name][own] = change(frames[name][own])
+
+    return lambda root: edit_frames(root, in_place)
+
+
+def only_success(change: Callable[[np.ndarray], Any], *episodes: int, names: bool = True) -> Callable[[Path], None]:
+    """Change the success, where there is no reward to contradict it, and without names no reading either."""
+
+    def do(root: Path) -> None:
+        relabel("next.success", change, *episodes)(root)
+        forget(root, "next.reward")
+        if not names:
+            edit_feature(root, STATE, names=None)
+
+    return do
+
+
+def true_from(row: int, to: int | None = None) -> Callable[[np.ndarray], np.ndarray]:
+    """Say yes in these frames of an episode, and no in the others."""
+
+    def change(values: np.ndarray) -> np.ndarray:
+        rows = np.arange(len(values))
+        return (rows >= row % len(values)) & (rows < (len(values) if to is None else to))
+
+    return change
 
 
 def zero_row(frames: Frames, _: list[slice]) -> None:
@@ -1651,7 +1716,70 @@ ON_VALUES: dict[str, Damage] = {
     ),
 }
 
-DAMAGES: dict[str, Damage] = ON_INFO | ON_META | ON_INDEX | ON_DATA | ON_VALUES
+ON_LABELS: dict[str, Damage] = {
+    "a success without its reward": Damage(
+        relabel("next.reward", np.zeros_like, 1), "success-reward", "data", "episode 1,", base="labelled"
+    ),
+    "a reward without its success": Damage(
+        relabel("next.success", np.zeros_like, 1), "success-reward", "data", "never true in episode 1", base="labelled"
+    ),
+    "a success that is lost": Damage(
+        relabel("next.success", true_from(5, 9), 1), "success-lost", "data", "episode 1", base="labelled", harmless=True
+    ),
+    "done in the middle": Damage(
+        relabel("next.done", true_from(5, 6), 1), "done", "data", "episode 1", base="labelled"
+    ),
+    "done from the first frame on": Damage(
+        relabel("next.done", np.ones_like, 1), "done", "data", "episode 1", base="labelled"
+    ),
+    "done for the last ten frames": Damage(
+        relabel("next.done", true_from(-10), 1), "done", "data", "up to the end", base="labelled", harmless=True
+    ),
+    "never done": Damage(
+        relabel("next.done", np.zeros_like), "done", "data", "false in every frame", base="labelled", harmless=True
+    ),
+    "a reward that never comes": Damage(
+        relabel("next.reward", np.zeros_like), "label-constant", "data", "0 in every", base="labelled", harmless=True
+    ),
+    "a reward that is no number": Damage(
+        relabel("next.reward", lambda values: values * np.nan, 1), "finite", "data", "next.reward", base="labelled"
+    ),
+    "a success everywhere": Damage(
+        only_success(np.ones_like, names=False),
+        "label-constant",
+        "data",
+        "true in every",
+        base="labelled",
+        harmless=True,
+    ),
+    "no success anywhere": Damage(
+        only_success(np.zeros_like, names=False), "label-constant", "data", "false in", base="labelled", harmless=True
+    ),
+    "a success that is read as not reached": Damage(
+        relabel("next.success", true_from(-1), FAILED),
+        "stored-success",
+        "data",
+        f"episode {FAILED}, read as not reached",
+        base="labelled",
+    ),
+    "no success, and read as reached": Damage(
+        only_success(np.zeros_like, 1),
+        "stored-success",
+        "data",
+        "no success in episode 1, read as reached",
+        base="labelled",
+        harmless=True,
+    ),
+    "a reward alone, where the reading says not reached": Damage(
+        lambda root: (relabel("next.reward", true_from(-1), FAILED)(root), forget(root, "next.success")),
+        "stored-success",
+        "data",
+        "next.reward with next.done",
+        base="labelled",
+    ),
+}
+
+DAMAGES: dict[str, Damage] = ON_INFO | ON_META | ON_INDEX | ON_DATA | ON_VALUES | ON_LABELS
 
 
 def make(kind: str, root: Path) -> None:

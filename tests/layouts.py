@@ -187,7 +187,9 @@ def read_data(root: Path) -> dict[str, pa.ChunkedArray]:
 def to_numpy(column: pa.ChunkedArray) -> np.ndarray:
     """Return numbers as (n,) and lists of them as (n, size)."""
     array = column.combine_chunks()
-    return array.flatten().to_numpy().reshape(len(array), -1) if pa.types.is_nested(array.type) else array.to_numpy()
+    if pa.types.is_nested(array.type):
+        return array.flatten().to_numpy().reshape(len(array), -1)
+    return array.to_numpy(zero_copy_only=False)
 
 
 def to_arrow(values: np.ndarray) -> pa.Array:

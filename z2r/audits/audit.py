@@ -16,10 +16,11 @@ import msgspec
 import numpy as np
 
 from z2r.arrays import Ints, Progress, no_progress
-from z2r.audits import index, structure, values
+from z2r.audits import index, labels, structure, values
 from z2r.audits.claims import Claims, NoSchema, Stored, claims_under, read_claims
 from z2r.audits.findings import AUDIT, Finding, ask, failed
 from z2r.audits.frames import FileClaims, FileFrames, file_claims, run_stats
+from z2r.audits.labels import Labels, fold_labels, join_labels
 from z2r.audits.runs import FileSums, Runs, join_runs
 from z2r.check import Check, asked_of, parts_in
 from z2r.errors import DatasetError, some
@@ -30,10 +31,11 @@ from z2r.reading.breaks import BreakMode
 from z2r.reading.decode import decode, features_of
 from z2r.reading.reading import Reading
 from z2r.reading.scene import Scene, SceneSums
+from z2r.reading.stored import label_in
 
 MAX_OF_A_CHECK = 5  # findings in detail: a fault that is in every file would hide the others
 
-PARTS = parts_in(structure, index, values)
+PARTS = parts_in(structure, index, values, labels)
 """What every dataset is asked, in the order in which findings come."""
 
 
@@ -199,13 +201,14 @@ def _fold_file(
         frames = FileFrames(claims, schema, tasks, read_data_file(root, schema, claims.path))
         findings = [*ask(asked_of(FileFrames, PARTS), frames)]
         if not frames.read.n_rows:
-            return FileSums(frames.read.n_rows, findings, nothing, None, {}, None)
+            return FileSums(frames.read.n_rows, findings, nothing, None, {}, None, None)
         number, starts = frames.counts.get("episode_index"), frames.run_starts
         stats = {name: run_stats(signal, starts) for name, signal in frames.signals.items()}
         numbers, scene_sums = None if number is None else number[starts], _fold_scene(scene, frames, reading, findings)
-        return FileSums(frames.read.n_rows, findings, starts, numbers, stats, scene_sums)
+        said = fold_labels(frames, reading)
+        return FileSums(frames.read.n_rows, findings, starts, numbers, stats, said, scene_sums)
     except Exception as error:
-        return FileSums(None, [failed(claims.path.as_posix(), error)], nothing, None, {}, None)
+        return FileSums(None, [failed(claims.path.as_posix(), error)], nothing, None, {}, None, None)
 
 
 def _fold_scene(scene: Scene | None, frames: FileFrames, reading: Reading | None, findings: list[Finding]) -> Any:
@@ -229,6 +232,8 @@ def _ask_of_all(
     runs = join_runs(claims, files, sums)
     if runs:
         yield from ask(asked_of(Runs, PARTS), runs)
+        said = [part for number in runs.read if (part := sums[number].labels)]
+        yield from ask(asked_of(Labels, PARTS), join_labels(claims.schema, claims.reading, runs.number, said))
     if scene and claims.reading and _has_scene(sums):
         folded = [(file.path, part.scene) for file, part in zip(files, sums, strict=True) if part.n_rows]
         paths, scene_sums = zip(*folded, strict=True)
@@ -267,7 +272,8 @@ def _meaning_not_checked(claims: Claims, sums: Sequence[FileSums], scene: Scene 
     if claims.reading is None or claims.reading.missing(claims.schema):
         yield "what the columns mean: no reading fits"
         yield "whether an action is possible, and whether it does what it says: nothing states its limits"
-        yield "success: nothing says what it would be"
+        if label_in(claims.schema) is None:
+            yield "success: nothing says what it would be"
     elif scene is None:
         yield "solid bodies, limits, and whether the action does what it says: the reading has no scene"
     elif not _has_scene(sums):

@@ -9,6 +9,7 @@ from z2r.arrays import Ints
 from z2r.audits.claims import Claims
 from z2r.audits.findings import Finding
 from z2r.audits.frames import FileClaims, RunStats, joined
+from z2r.audits.labels import FileLabels
 
 
 class FileSums(NamedTuple):
@@ -26,6 +27,8 @@ class FileSums(NamedTuple):
         Their `episode_index`.
     stats : dict of str to RunStats
         Of each numeric feature.
+    labels : FileLabels or None
+        What success, reward and done say.
     scene : object
         What the scene made of it; None where there is none, or its columns are not there.
     """
@@ -35,6 +38,7 @@ class FileSums(NamedTuple):
     starts: Ints
     numbers: Ints | None
     stats: dict[str, RunStats]
+    labels: FileLabels | None
     scene: Any
 
 

@@ -11,7 +11,7 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from z2r.arrays import Array, Bools, Columns, Ints, Progress, no_progress, reduce_parts
+from z2r.arrays import Array, Bools, Columns, Floats, Ints, Progress, no_progress, reduce_parts
 from z2r.format.dataset import Dataset, map_files
 from z2r.format.episodes import DataFile, EpisodeIndex, parts_within
 from z2r.format.schema import ACTION, STATE, Schema
@@ -19,6 +19,7 @@ from z2r.reading.action import DrivenColumn, infer_action, sample_of, sample_win
 from z2r.reading.breaks import BreakMode
 from z2r.reading.decode import Decoded, decode
 from z2r.reading.reading import Reading
+from z2r.reading.stored import REWARD, StoredSuccess, levels_of, stored_success
 from z2r.reading.success import FrameErrors, frame_errors, in_tolerance
 
 
@@ -81,6 +82,10 @@ class Inspection:
         The ``first`` and the ``last`` frame of every episode: every such feature, (n_episodes, size).
     outcome : Outcome or None
         None where no reading fits, or the one that does has no goal.
+    stored : StoredSuccess or None
+        Which episodes the dataset itself calls a success; None where no column says so.
+    stored_note : str
+        What else there is to say of such a column: why it says nothing, mostly; empty where there is nothing.
     reading : Reading or None
         What the columns were taken to mean, as the break mode leaves it; None where none was given, or the schema lacks
         its columns.
@@ -101,6 +106,8 @@ class Inspection:
     ranges: dict[str, Ranges]
     ends: dict[str, Columns]
     outcome: Outcome | None
+    stored: StoredSuccess | None
+    stored_note: str
     reading: Reading | None
     missing: tuple[str, ...]
     break_mode: str | None
@@ -110,7 +117,8 @@ class Inspection:
 
     def __repr__(self) -> str:
         reached = f"reached {self.outcome.tally}" if self.outcome else "nothing says what counts as reached"
-        return f"Inspection({len(self.episodes):,} episodes, {reached})"
+        stored = f", stored {self.stored.says}" if self.stored else ""
+        return f"Inspection({len(self.episodes):,} episodes, {reached}{stored})"
 
     @property
     def schema(self) -> Schema:
@@ -121,6 +129,15 @@ class Inspection:
     def episodes(self) -> EpisodeIndex:
         """Fact two, as the break mode leaves it."""
         return self.dataset.episodes
+
+    @property
+    def agreement(self) -> str:
+        """In how many episodes reading and dataset agree, and in which not; empty where they are not two witnesses."""
+        if self.outcome is None or self.stored is None or self.reading is None:
+            return ""
+        if all(goal.stored == self.stored.source for goal in self.reading.goal):
+            return ""
+        return self.stored.agreement(self.outcome.reached, self.episodes)
 
     @property
     def last_frames(self) -> Columns:
@@ -142,8 +159,10 @@ class Inspection:
         dict
             ``success_rate`` is the share of episodes that *reached* the goal: the key is the seed course's. What each
             goal measures at the end is ``final_`` and its name. What depends on a reading is None where there is none.
+            ``stored_success`` says of each episode whether the dataset calls it a success in some frame, and
+            ``stored_success_source`` which column does; None where none does.
         """
-        lengths, outcome = self.episodes.lengths, self.outcome
+        lengths, outcome, stored = self.episodes.lengths, self.outcome, self.stored
         errors = {"pos_err": None, "ang_err": None} | (outcome.final_errors if outcome else {})
         return {
             "source": source,
@@ -163,6 +182,9 @@ class Inspection:
             **{f"final_{name}": None if each is None else each.round(6).tolist() for name, each in errors.items()},
             "reading": self.reading and self.reading.name,
             "action": [_rounded(driven) for driven in self.action],
+            "stored_success": stored and stored.any_frame.tolist(),
+            "n_stored_success": stored and stored.n_success,
+            "stored_success_source": stored and stored.source,
         }
 
 
@@ -205,11 +227,15 @@ def inspect_dataset(
     sums = _merge([part.sums for part in parts])
     fits = reading if reading and not missing else None
     ends = {"first": sums.first, "last": sums.last}
+    levels = levels_of(np.concatenate([part.reward_levels for part in parts]))
+    stored, stored_note = stored_success(schema, sums.high, sums.last, levels)
     return Inspection(
         dataset=dataset,
         ranges={name: Ranges(sums.low[name], sums.high[name]) for name in sums.low},
         ends=ends,
         outcome=outcome_of(decode(ends[fits.decisive], fits, schema)) if fits and fits.goal else None,
+        stored=stored,
+        stored_note=stored_note,
         reading=fits,
         missing=missing,
         break_mode=mode.name if mode else None,
@@ -263,6 +289,7 @@ class _FileSums:
     sums: _EpisodeSums
     kept: Columns
     sample: Columns
+    reward_levels: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -289,7 +316,8 @@ class _Fold:
         first_frames = {name: values[kept].copy() for name, values in frames.items()}
         _, starts, stops = parts_within(self.windows, file.from_index, file.to_index)
         rows = EpisodeIndex(starts, stops).frame_numbers
-        return _FileSums(sums, first_frames, {name: frames[name][rows] for name in self.sampled})
+        sample = {name: frames[name][rows] for name in self.sampled}
+        return _FileSums(sums, first_frames, sample, levels_of(frames.get(REWARD, np.empty(0))))
 
 
 def _merge(parts: list[_EpisodeSums]) -> _EpisodeSums:

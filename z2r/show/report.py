@@ -121,10 +121,11 @@ def panel(inspection: Inspection, scene: Scene | None = None) -> Panel:
     """
     content = read_content(inspection, _MAX_FRAME_BYTES_IN_NOTEBOOK, scene)
     right, episodes = content.views[0], inspection.episodes
-    reached = f", reached {content.destination}: {right.outcome.tally} (reconstructed)" if right.outcome else ""
+    reached = f", reached {content.destination}: {right.outcome.tally} ({content.source})" if right.outcome else ""
+    stored = f", stored: {inspection.stored.says}" if inspection.stored else ""
     still = draw(content, right.reading, "still") if right.reading and right.reading.poses else ""
     counts = f"episodes: {len(episodes):,}, frames: {episodes.n_frames:,}"
-    return Panel(render(content), f"{content.title}, {counts}{reached}", still)
+    return Panel(render(content), f"{content.title}, {counts}{reached}{stored}", still)
 
 
 def n_frames_in_report(schema: Schema, reading: Reading | None) -> int:

@@ -59,7 +59,11 @@ def summary(inspection: Inspection, title: str, given: bool = False) -> Renderab
     spread = f"\nlengths: {lengths.min()} to {lengths.max()} frames, {lengths.mean():.1f} on average"
     tables = (_schema_table(inspection), _action(inspection), _Episodes(inspection))
     return Group(
-        head, *(part for table in tables for part in (Text(), table)), Text(spread), _reached(inspection, given)
+        head,
+        *(part for table in tables for part in (Text(), table)),
+        Text(spread),
+        _reached(inspection, given),
+        *_stored(inspection),
     )
 
 
@@ -203,21 +207,26 @@ def _bar(inspection: Inspection, episode: int) -> RenderableType:
     return ProgressBar(longest, length, width=12, complete_style="blue", finished_style="blue")
 
 
-def _ending(inspection: Inspection, episode: int) -> tuple[RenderableType, ...]:
-    if (outcome := inspection.outcome) is None:
-        return ()
-    reached = bool(outcome.reached[episode])
-    said = Text("yes" if reached else "no", style="green" if reached else "red")
-    return *(f"{numbers[episode]:.3f}" for numbers in outcome.final_errors.values()), said
+def _ending(inspection: Inspection, episode: int) -> Iterator[RenderableType]:
+    outcome, stored = inspection.outcome, inspection.stored
+    if outcome:
+        yield from (f"{numbers[episode]:.3f}" for numbers in outcome.final_errors.values())
+        yield _yes_or_no(bool(outcome.reached[episode]))
+    if stored:
+        yield _yes_or_no(bool(stored.any_frame[episode]))
+
+
+def _yes_or_no(answer: bool) -> Text:
+    return Text("yes" if answer else "no", style="green" if answer else "red")
 
 
 def _outcome_columns(inspection: Inspection) -> list[str]:
-    """Name what is said of each episode's end: a column for each goal, and the answer."""
-    reading = inspection.reading
+    """Name what is said of each episode's end: a column for each goal, the answer, and what the dataset says of it."""
+    reading, stored = inspection.reading, ["stored"] if inspection.stored else []
     if inspection.outcome is None or reading is None:
-        return []
+        return stored
     units = {goal.name: reading.unit(goal) for goal in reading.goal}
-    return [*(f"{name} [{unit}]" if unit else name for name, unit in units.items()), "reached"]
+    return [*(f"{name} [{unit}]" if unit else name for name, unit in units.items()), "reached", *stored]
 
 
 def _reached(inspection: Inspection, given: bool) -> Text:
@@ -233,6 +242,18 @@ def _reached(inspection: Inspection, given: bool) -> Text:
         (f"\ndeclared by the reading {printable(reading.name)}{'' if given else ', which ships and fits'}: ", "dim"),
         (f"{says} in the {frame} frame", "dim"),
     )
+
+
+def _stored(inspection: Inspection) -> Iterator[Text]:
+    """Say what the dataset itself calls a success, and whether the reading agrees."""
+    stored = inspection.stored
+    if stored:
+        style = "bold green" if np.all(stored.any_frame) else "bold yellow"
+        yield Text.assemble(("stored: ", "bold"), (stored.says, style))
+    if inspection.agreement:
+        yield Text(f"reached and stored: {inspection.agreement}", style="dim")
+    if inspection.stored_note:
+        yield Text(f"stored: {inspection.stored_note}", style="yellow")
 
 
 def _why_unknown(inspection: Inspection) -> str:

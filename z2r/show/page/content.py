@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from z2r.arrays import Columns, Ints
+from z2r.arrays import Bools, Columns, Ints
 from z2r.errors import printable
 from z2r.format.dataset import Dataset
 from z2r.format.episodes import EpisodeIndex
@@ -17,6 +17,7 @@ from z2r.reading.goal import Goal
 from z2r.reading.inspection import Inspection, Outcome, beginning, outcome_of
 from z2r.reading.reading import Reading
 from z2r.reading.scene import Scene
+from z2r.reading.stored import StoredSuccess
 
 WRONG_READINGS = ("yaw-swap", "yaw-swap-everywhere", "drop-boundaries")
 
@@ -31,6 +32,12 @@ class View:
     reading: Reading | None
     episodes: EpisodeIndex
     outcome: Outcome | None
+    stored: StoredSuccess | None
+
+    @property
+    def fine(self) -> Bools | None:
+        """Which episodes reached the goal, or where nothing says, which are stored as a success, bool[n_episodes]."""
+        return self.outcome.reached if self.outcome else self.stored.any_frame if self.stored else None
 
     @property
     def name(self) -> str:
@@ -97,6 +104,12 @@ class Content:
     def label(self, pose: str) -> str:
         """Say what to call the body of a pose, or what a goal is about."""
         return self.bodies[pose].label if pose in self.bodies else pose
+
+    @property
+    def source(self) -> str:
+        """From where it is known what was reached: ``stored`` where goals read only what says it outright."""
+        reading = self.inspection.reading
+        return "stored" if reading and all(goal.stored for goal in reading.goal) else "reconstructed"
 
     @property
     def destination(self) -> str:
@@ -186,7 +199,7 @@ def _left_out(episodes: EpisodeIndex, shown: EpisodeIndex) -> str:
 
 
 def _views(inspection: Inspection, packed: Dataset) -> list[View]:
-    right = View(None, inspection.reading, packed.episodes, inspection.outcome)
+    right = View(None, inspection.reading, packed.episodes, inspection.outcome, inspection.stored)
     modes = [break_mode(name) for name in WRONG_READINGS] if inspection.outcome else []
     return [right, *(wrong_view(inspection, packed, mode) for mode in modes if mode.applies_to(inspection.reading))]
 
@@ -206,7 +219,8 @@ def wrong_view(inspection: Inspection, packed: Dataset, mode: BreakMode) -> View
     episodes = believed.episodes
     decisive = episodes.to_index - 1 if reading.decisive == "last" else episodes.from_index
     frames = _kept_frames(inspection, packed.episodes, decisive)
-    return View(mode, reading, episodes, outcome_of(decode(frames, reading, inspection.schema)))
+    stored = inspection.stored if len(episodes) == len(packed.episodes) else None
+    return View(mode, reading, episodes, outcome_of(decode(frames, reading, inspection.schema)), stored)
 
 
 def _kept_frames(inspection: Inspection, right: EpisodeIndex, wanted: Ints) -> Columns:

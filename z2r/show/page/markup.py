@@ -12,8 +12,9 @@ from z2r.errors import printable
 from z2r.format.schema import ACTION
 from z2r.reading.decode import Decoded
 from z2r.reading.goal import Goal
-from z2r.reading.inspection import Inspection
+from z2r.reading.inspection import Inspection, Outcome
 from z2r.reading.reading import Reading, locate
+from z2r.reading.stored import StoredSuccess
 from z2r.reading.success import frame_errors
 from z2r.show.page.content import Content, View
 from z2r.show.page.pictures import camera_of, fill, grid_text, ribbon, scene
@@ -30,7 +31,7 @@ def render(content: Content) -> str:
     return fill(
         "page.html",
         title=escape(content.title),
-        question=f"How many reached {escape(content.destination)}?",
+        question=_question(content),
         script=script,
         script_hash=_csp_hash(script),
         style=style,
@@ -77,19 +78,56 @@ def _switch(view: View, content: Content) -> str:
     return f'<label class="choice">{button}<b>{view.name}</b><span>{escape(believed)}</span></label>'
 
 
+def _question(content: Content) -> str:
+    if content.inspection.outcome is None and content.inspection.stored:
+        return "How many does the dataset call a success?"
+    return f"How many reached {escape(content.destination)}?"
+
+
 def _answer(view: View, content: Content) -> str:
-    """Say how many episodes reached the goal in this view, above a ribbon of all of them."""
+    """Say how many episodes reached the goal in this view, or are stored as a success, above a ribbon of all."""
     parts = {"name": view.name, "hidden": "hidden" if view.mode else "", "ribbon": ribbon(view, content)}
-    if view.outcome is None or view.reading is None:
-        return fill("unread.html", why=escape(printable(_why_unread(content.inspection))), **parts)
-    return fill(
-        "answer.html",
-        percent=f"{view.outcome.share_reached:.0%}",
-        tally=view.outcome.tally,
-        destination=escape(content.destination),
-        note=escape(_note(view, view.reading)),
-        **parts,
-    )
+    if view.outcome and view.reading:
+        return fill("answer.html", **_what_was_reached(view, view.outcome, view.reading, content), **parts)
+    why = escape(printable(_why_unread(content.inspection)))
+    if view.stored:
+        return fill("answer.html", **_what_is_stored(view.stored, why), **parts)
+    return fill("unread.html", why=why, stored=_stored(view, content.inspection), **parts)
+
+
+def _what_was_reached(view: View, outcome: Outcome, reading: Reading, content: Content) -> dict[str, str]:
+    return {
+        "percent": f"{outcome.share_reached:.0%}",
+        "tally": outcome.tally,
+        "claim": f"reached {escape(content.destination)}",
+        "source": content.source,
+        "note": escape(_note(view, reading)),
+        "stored": _stored(view, content.inspection),
+        "fine": "reached",
+        "other": "not reached",
+    }
+
+
+def _what_is_stored(stored: StoredSuccess, why: str) -> dict[str, str]:
+    return {
+        "percent": f"{stored.share:.0%}",
+        "tally": stored.tally,
+        "claim": "called a success by the dataset",
+        "source": "stored",
+        "note": f"{stored.says}. Whether they reached their goal cannot be told from the rest: {why}",
+        "stored": "",
+        "fine": "success",
+        "other": "no success",
+    }
+
+
+def _stored(view: View, inspection: Inspection) -> str:
+    """Say what the dataset itself calls a success beside what is read, or why that says nothing."""
+    if view.stored is None:
+        return f'<p class="note">{escape(inspection.stored_note)}.</p>' if inspection.stored_note else ""
+    agreement = "" if view.mode else inspection.agreement
+    said = f"called a success by the dataset: {view.stored.says}" + (f"; {agreement}" if agreement else "")
+    return f'<p class="note"><span class="tag">stored</span> {escape(said)}.</p>'
 
 
 def _why_unread(inspection: Inspection) -> str:
@@ -227,11 +265,13 @@ def _episode_table(view: View) -> str:
 
 
 def _outcome_heads(view: View) -> str:
-    if view.outcome is None or view.reading is None:
-        return ""
-    units = {goal.name: view.reading.unit(goal) for goal in view.reading.goal}
-    heads = [f"{name} [{unit}]" if unit else name for name, unit in units.items()]
-    return "".join(f"<th>{escape(head)}</th>" for head in [*heads, "reached"])
+    heads: list[str] = []
+    if view.outcome and view.reading:
+        units = {goal.name: view.reading.unit(goal) for goal in view.reading.goal}
+        heads += [*(f"{name} [{unit}]" if unit else name for name, unit in units.items()), "reached"]
+    if view.stored:
+        heads.append("stored")
+    return "".join(f"<th>{escape(head)}</th>" for head in heads)
 
 
 def _episode_row(view: View, episode: int) -> str:
@@ -240,6 +280,8 @@ def _episode_row(view: View, episode: int) -> str:
     if outcome:
         cells += [f"{numbers[episode]:.3f}" for numbers in outcome.final_errors.values()]
         cells += ["yes" if outcome.reached[episode] else "no"]
+    if view.stored:
+        cells += ["yes" if view.stored.any_frame[episode] else "no"]
     return (
         f'<tr><th scope="row">{episodes.number(episode)}</th>' + "".join(f"<td>{cell}</td>" for cell in cells) + "</tr>"
     )

@@ -61,9 +61,10 @@ function chooseEpisode(episode, frame = 0) {
   byId("frame").max = nFrames() - 1;
   const reached = now.reading.reached?.[now.episode];
   const verdict = { true: ", reached", false: ", not reached" }[reached] ?? "";
+  const stored = { true: ", stored: success", false: ", stored: no success" }[now.reading.stored?.[now.episode]] ?? "";
   const [from, to] = now.reading.episodes[now.episode];
   const cut = nFrames() < to - from ? `the first ${nFrames().toLocaleString("en")} of ` : "";
-  byId("verdict").textContent = `${cut}${(to - from).toLocaleString("en")} frames${verdict}`;
+  byId("verdict").textContent = `${cut}${(to - from).toLocaleString("en")} frames${verdict}${stored}`;
   for (const here of all(".here")) {
     here.setAttribute("x", `${(100 * from) / page.total}%`);
     here.setAttribute("width", `${(100 * (to - from)) / page.total}%`);

@@ -50,13 +50,13 @@ def fill(template: str, /, **parts: str) -> str:
 
 def ribbon(view: View, content: Content) -> str:
     """Draw all frames as one bar with a segment for each episode; for each group of episodes where there are many."""
-    episodes, outcome, n_frames = view.episodes, view.outcome, content.inspection.episodes.n_frames
+    episodes, n_frames = view.episodes, content.inspection.episodes.n_frames
     edges = np.linspace(0, len(episodes), min(len(episodes), _MAX_SEGMENTS) + 1).astype(np.int64)
-    reached = outcome.reached if outcome else np.ones(len(episodes), np.bool_)
-    shares = np.add.reduceat(reached, edges[:-1], dtype=np.float64) / np.diff(edges)
+    fine = np.ones(len(episodes), np.bool_) if view.fine is None else view.fine
+    shares = np.add.reduceat(fine, edges[:-1], dtype=np.float64) / np.diff(edges)
     begins = 100 * episodes.from_index[edges[:-1]] / n_frames
     ends = 100 * episodes.to_index[edges[1:] - 1] / n_frames
-    kind = "reached" if outcome else "episode"
+    kind = "episode" if view.fine is None else "reached"
     bars = "".join(
         _bar(f"bar {kind}", begin, end, 0, share) + _bar("bar missed", begin, end, share, 1 - share)
         for begin, end, share in zip(begins.tolist(), ends.tolist(), shares.tolist(), strict=True)
@@ -66,9 +66,14 @@ def ribbon(view: View, content: Content) -> str:
         for episode, begin, end in zip(edges[:-1].tolist(), begins.tolist(), ends.tolist(), strict=True)
         if end - begin > _LABEL_PERCENT
     )
-    what = f"{outcome.tally} reached {content.destination}" if outcome else f"{len(episodes):,} in all"
-    role = f'role="img" aria-label="Episodes by length: {escape(what)}"'
+    role = f'role="img" aria-label="Episodes by length: {escape(_ribbon_says(view, content))}"'
     return f'<svg class="ribbon" {role}>{bars}<rect class="here" y="-5" height="44" rx="4"/>{labels}</svg>'
+
+
+def _ribbon_says(view: View, content: Content) -> str:
+    if view.outcome:
+        return f"{view.outcome.tally} reached {content.destination}"
+    return f"{view.stored.tally} called a success" if view.stored else f"{len(view.episodes):,} in all"
 
 
 def _bar(kind: str, begin: float, end: float, top: float, height: float) -> str:

@@ -60,6 +60,8 @@ def _reading_data(view: View, content: Content, table: _Table) -> dict[str, Any]
     episodes = spans[view.episodes.from_index < content.shown.n_frames].tolist()
     data: dict[str, Any] = {"name": view.name, "episodes": episodes, "goals": [], "poses": {}, "formulas": {}}
     data["numbers"] = [view.episodes.number(place) for place in range(len(episodes))]
+    if view.stored is not None:
+        data["stored"] = view.stored.any_frame[: len(episodes)].tolist()
     if view.reading is None:
         return data
     decoded = content.decoded(view.reading)
