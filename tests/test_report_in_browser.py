@@ -10,6 +10,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 from axe_playwright_python.sync_playwright import Axe
+from damages import BASES
 from playwright.sync_api import Browser, Page, expect
 from robots import write_arm, write_hand
 from test_report import HOSTILE, make_hostile
@@ -70,6 +71,17 @@ def read_as(page: Page, name: str) -> None:
 
 def expect_frame(page: Page, frame: int) -> None:
     expect(page.get_by_role("slider", name="Frame")).to_have_value(f"{frame}")
+
+
+def test_what_is_stored_of_an_episode_stands_beside_what_is_read(open_report, tmp_path):
+    BASES["labelled"](tmp_path / "labelled")
+    page = open_report(tmp_path / "labelled")
+    expect(page.locator("#verdict")).to_have_text("85 frames, reached, stored: success")
+    page.get_by_label("Episode", exact=True).select_option("2")
+    expect(page.locator("#verdict")).to_have_text("120 frames, not reached, stored: no success")
+    assert Axe().run(page).violations_count == 0
+    read_as(page, "drop-boundaries")
+    expect(page.locator("#verdict")).not_to_contain_text("stored")
 
 
 def test_keys_scrub(open_report):

@@ -305,7 +305,8 @@ def test_labels_that_cannot_be_read_in_one_file_are_not_judged_by_the_others(tmp
     assert checks == {"success-lost"}
     lost[-1] = np.nan
     checks = {finding.check for finding in z2r.audit(write_labels(tmp_path / "e", {"success": lost})).findings}
-    assert checks == {"finite"}
+    assert "finite" in checks
+    assert "success-lost" not in checks
 
 
 @pytest.mark.parametrize("mode", ["yaw-swap", "first-frame-for-last"])
