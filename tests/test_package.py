@@ -189,6 +189,12 @@ def test_the_reading_in_the_readme_reads_an_arm(tmp_path):
     assert z2r.read_reading(tmp_path / "pick.toml").goal[0].value == "gripper.pos"
 
 
+def test_what_the_readme_says_of_the_action_is_what_is_said():
+    readme = (PACKAGE.parent / "README.md").read_text()
+    for driven in z2r.infer_action("standin"):
+        assert f"    {driven.name}   {driven.evidence}\n" in readme
+
+
 def test_the_example_in_the_readme_runs():
     readme = (PACKAGE.parent / "README.md").read_text()
     [example] = re.findall("```python\n(.*?)```", readme, re.DOTALL)
