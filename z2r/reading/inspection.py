@@ -123,6 +123,12 @@ class Inspection:
         return self.dataset.episodes
 
     @property
+    def lacking(self) -> str:
+        """The columns that the reading would have needed, and of which of them there is more than one."""
+        twice = self.schema.repeated()
+        return ", ".join(f"{name} (twice there, so unclear)" if name in twice else name for name in self.missing)
+
+    @property
     def last_frames(self) -> Columns:
         """The last frame of every episode: every numeric feature, (n_episodes, size)."""
         return self.ends["last"]

@@ -221,7 +221,7 @@ def _why_unknown(inspection: Inspection) -> str:
     if inspection.reading is not None:
         return f"for the reading {printable(inspection.reading.name)} has no goal"
     if inspection.missing:
-        return f"for the schema lacks what the reading needs: {printable(', '.join(inspection.missing))}"
+        return f"for the schema lacks what the reading needs: {printable(inspection.lacking)}"
     return "for no reading says what its columns mean: give one with --reading FILE"
 
 

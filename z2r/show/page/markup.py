@@ -97,7 +97,7 @@ def _why_unread(inspection: Inspection) -> str:
     if inspection.reading is not None:
         return f"the reading {inspection.reading.name} has no goal."
     if inspection.missing:
-        return f"its reading needs {', '.join(inspection.missing)}, which is not there."
+        return f"its reading needs {inspection.lacking}, which is not there."
     return "no reading says what its columns mean, and what counts as reached."
 
 
