@@ -12,6 +12,7 @@ import msgspec
 import numpy as np
 
 from z2r.arrays import Array, Bools, Columns, Ints, Progress, no_progress, reduce_parts
+from z2r.format.about import About, read_about
 from z2r.format.dataset import Dataset, map_files
 from z2r.format.episodes import DataFile, EpisodeIndex, parts_within
 from z2r.format.schema import ACTION, STATE, Schema
@@ -95,6 +96,8 @@ class Inspection:
         from the first frame in `kept`.
     kept : Columns
         Their frames, for who wants to draw them; none unless asked for.
+    about : About
+        What the dataset says of itself.
     """
 
     dataset: Dataset
@@ -107,6 +110,7 @@ class Inspection:
     action: tuple[DrivenColumn, ...]
     shown: EpisodeIndex
     kept: Columns
+    about: About
 
     def __repr__(self) -> str:
         reached = f"reached {self.outcome.tally}" if self.outcome else "nothing says what counts as reached"
@@ -169,6 +173,7 @@ class Inspection:
             **{f"final_{name}": None if each is None else each.round(6).tolist() for name, each in errors.items()},
             "reading": self.reading and self.reading.name,
             "action": [_rounded(driven) for driven in self.action],
+            **msgspec.to_builtins(self.about),
         }
 
 
@@ -222,6 +227,7 @@ def inspect_dataset(
         action=infer_action(sample_of(_joined([part.sample for part in parts]), windows, schema)),
         shown=beginning(dataset.episodes, keep),
         kept=_joined([part.kept for part in parts]) if keep else {},
+        about=read_about(dataset.root, schema, dataset.episodes.numbers),
     )
 
 

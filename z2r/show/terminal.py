@@ -4,6 +4,7 @@ import contextlib
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,6 +19,7 @@ from rich.text import Text
 from z2r.audits.findings import Finding
 from z2r.check import Severity
 from z2r.errors import printable
+from z2r.format.about import About
 from z2r.format.schema import Schema
 from z2r.reading.breaks import BreakMode
 from z2r.reading.inspection import Inspection
@@ -58,8 +60,26 @@ def summary(inspection: Inspection, title: str) -> RenderableType:
     )
     spread = f"\nlengths: {lengths.min()} to {lengths.max()} frames, {lengths.mean():.1f} on average"
     return Group(
-        head, Text(), _schema_table(inspection), Text(), _Episodes(inspection), Text(spread), _reached(inspection)
+        head,
+        _about(inspection.about),
+        Text(),
+        _schema_table(inspection),
+        Text(),
+        _Episodes(inspection),
+        Text(spread),
+        _reached(inspection),
     )
+
+
+def _about(about: About) -> Table:
+    """Return what the dataset says of itself, a line for each."""
+    lines = Table.grid(padding=(0, 2))
+    lines.add_column(style="dim", no_wrap=True)
+    lines.add_column(overflow="fold")
+    for kind, said in about.lines.items():
+        for name, line in zip_longest([kind], said, fillvalue=""):
+            lines.add_row(name, printable(line))
+    return lines
 
 
 def audit_report(audit: "Audit", title: str) -> RenderableType:

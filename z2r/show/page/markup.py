@@ -67,6 +67,7 @@ def _facts(inspection: Inspection) -> str:
         "on average": f"{lengths.mean():,.1f}",
         "LeRobot format": escape(printable(schema.codebase_version)),
     }
+    facts |= {name: escape(printable("; ".join(lines))) for name, lines in inspection.about.lines.items()}
     return "".join(f"<div><dt>{name}</dt><dd>{value}</dd></div>" for name, value in facts.items())
 
 
