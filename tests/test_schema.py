@@ -4,6 +4,7 @@ import pytest
 
 import z2r
 from z2r.format.schema import read_schema
+from z2r.reading.reading import locate
 
 NAMES = ["x", "y", "z"]
 
@@ -15,15 +16,46 @@ NAMES = ["x", "y", "z"]
         ({"motors": NAMES}, tuple(NAMES)),
         (None, ()),
         (["x", "y"], ()),
-        ({"a": ["x"], "b": ["y", "z"]}, ()),
-        ({"x": 0, "y": 1, "z": 2}, ()),
-        ([["x"], ["y"], ["z"]], ()),
+        ({"a": ["x"], "b": ["y", "z"]}, tuple(NAMES)),
+        ({"a": ["x", "y"], "b": ["x"]}, ("a.x", "y", "b.x")),
+        ({"a": {"y": 1, "x": 0}, "b": ["z"]}, tuple(NAMES)),
+        ({"z": 2, "x": 0, "y": 1}, tuple(NAMES)),
+        ([["x"], ["y", "z"]], tuple(NAMES)),
+        ([["x", "y", "z"]], tuple(NAMES)),
+        ({"x": 0, "y": 2, "z": 3}, ()),
+        ({"x": 0, "y": 1, "z": True}, ()),
+        ({"x": 0, "y": 1}, ()),
+        ({"a": ["x"], "b": ["y"]}, ()),
+        ([["x"], ["y", 7]], ()),
+        ([[[[[["x", "y", "z"]]]]]], ()),
+        ([], ()),
+        ({}, ()),
         ("xyz", ()),
         (3, ()),
     ],
 )
 def test_dimensions_have_names_only_where_there_is_one_for_each(names, expected):
-    assert z2r.Feature("float32", (3,), names).dim_names == expected
+    feature = z2r.Feature("float32", (3,), names)
+    assert feature.dim_names == expected
+    assert feature.labels == (expected or ("[0]", "[1]", "[2]"))
+
+
+def test_groups_of_a_picture_name_its_axes_and_not_its_numbers():
+    assert z2r.Feature("float32", (2, 2), {"rows": ["top", "bottom"], "columns": ["left", "right"]}).dim_names == ()
+
+
+@pytest.mark.parametrize("names", [["x", "y", "x"], {"arm": ["x", "x"], "hand": ["y"]}, {"a": [["x"], ["x"], ["y"]]}])
+def test_a_name_that_comes_twice_is_refused_and_the_others_are_found(names):
+    feature = z2r.Feature("float32", (3,), names)
+    schema = z2r.Schema("v3.0", 10, 1, 1, {"action": feature}, "")
+    with pytest.raises(ValueError, match=r"action: 2 dimensions are called 'x', at \d, \d: name one by its place"):
+        schema.columns("action", ["x"])
+    assert schema.columns("action", ["y"]) == [feature.dim_names.index("y")]
+    with pytest.raises(ValueError, match="2 dimensions are called 'x'"):
+        locate("x", "action", schema)
+    with pytest.raises(ValueError, match="2 dimensions are called 'x'"):
+        locate("action/x", "observation.state", schema)
+    assert locate("action/2", "observation.state", schema) == ("action", 2)
 
 
 @pytest.mark.parametrize(

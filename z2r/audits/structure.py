@@ -1,7 +1,6 @@
 """Is the dataset whole? The files that must be there, their columns, and the totals that `meta/info.json` states."""
 
 import re
-from collections import Counter
 from collections.abc import Iterator
 from difflib import get_close_matches
 from pathlib import Path
@@ -11,9 +10,10 @@ import numpy as np
 from z2r.audits.claims import Claims, NoSchema, Stored
 from z2r.audits.frames import FileFrames
 from z2r.check import Answer, Check
-from z2r.errors import Fault
+from z2r.errors import Fault, some
 from z2r.format import rules
 from z2r.format.episodes import EPISODES_DIR
+from z2r.format.names import in_a_row, repeated
 from z2r.format.schema import BOOKKEEPING, INFO_PATH, Feature
 from z2r.format.tables import TASKS_PATH
 
@@ -197,16 +197,14 @@ def _dtype_faults(name: str, feature: Feature) -> Iterator[Answer]:
 
 
 def _name_faults(name: str, feature: Feature) -> Iterator[Answer]:
-    names = feature.names
-    if isinstance(names, dict) and len(names) == 1:
-        (names,) = names.values()
-    if not isinstance(names, list) or name in BOOKKEEPING:
+    if feature.names is None or name in BOOKKEEPING:
         return
-    place = f"features.{name}.names"
-    if len(feature.shape) == 1 and (len(names) != feature.size or not all(isinstance(each, str) for each in names)):
-        found = f"{len(names)} names: {', '.join(map(str, names))}"
+    names, place = in_a_row(feature.names), f"features.{name}.names"
+    if len(feature.shape) == 1 and not feature.dim_names:
+        texts = all(isinstance(each, str) for each in names)
+        found = f"{len(names)} name{'s' * (len(names) != 1)}: {some(names)}" if texts else feature.names
         fault = Fault(INFO_PATH, place, found, f"{feature.size} texts, one for each dimension")
-        yield "note" if len(names) == 1 else "warning", fault  # one name for all is what some converters write
-    repeated = [each for each, times in Counter(map(str, names)).items() if times > 1]
-    if repeated:
-        yield "warning", Fault(INFO_PATH, place, f"{repeated[0]} twice", "another name for each dimension")
+        yield "note" if texts and len(names) == 1 else "warning", fault  # some converters write one name for all
+    for each in repeated(names)[:1]:
+        mend = "A reading that names it is refused: nobody knows which one is meant"
+        yield "warning", Fault(INFO_PATH, place, f"{each} twice", "another name for each dimension", mend)

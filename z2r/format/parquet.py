@@ -6,7 +6,7 @@ Two costs are avoided on purpose. `pyarrow.parquet.read_table` imports the whole
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -136,6 +136,48 @@ def integers(table: pa.Table, column: str, path: Path) -> Ints:
     return np.from_dlpack(array).astype(np.int64, copy=False)
 
 
+def texts(table: pa.Table, column: str, path: Path) -> list[str]:
+    """Return a column of text.
+
+    Raises
+    ------
+    DatasetError
+        If a text is not UTF-8.
+    """
+    return _decoded(table.column(column), column, path)
+
+
+def text_sets(file: pq.ParquetFile, column: str, path: Path) -> Iterator[set[str]]:
+    """Yield the texts in each row of a column of lists of text.
+
+    Each text is held once in a row group, however often it stands there: a small file may repeat a long one.
+
+    Raises
+    ------
+    DatasetError
+        If the column is missing or of another kind, or cannot be decoded.
+    """
+    leaves = [leaf for leaf in (each.path for each in file.schema) if leaf.partition(".")[0] == column]
+    try:
+        file = pq.ParquetFile(open_mapped(path), metadata=file.metadata, read_dictionary=leaves)
+        for number in range(file.num_row_groups):  # pyarrow cannot put the dictionaries of several together
+            for chunk in file.read_row_group(number, columns=[column], use_threads=False)[column].chunks:
+                yield from _text_sets(chunk, column, path)
+    except KeyError:
+        raise DatasetError(Fault(path, column, "no such column", "lists of text")) from None
+    except _UNREADABLE as error:
+        raise _unreadable(path, error) from error
+
+
+def _text_sets(lists: pa.Array, column: str, path: Path) -> Iterator[set[str]]:
+    lists_of_any_length = pa.types.is_list(lists.type) or pa.types.is_large_list(lists.type)
+    if not lists_of_any_length or not pa.types.is_dictionary(lists.type.value_type):
+        raise DatasetError(Fault(path, column, f"values of type {lists.type}", "lists of text"))
+    known, places = _decoded(lists.values.dictionary, column, path), lists.values.indices.to_pylist()
+    for start, stop in itertools.pairwise(lists.offsets.to_pylist()):
+        yield {known[place] for place in places[start:stop] if place is not None}
+
+
 def vectors(table: pa.Table, column: str, shape: Sequence[int], path: Path) -> Array:
     """Return one numeric column as a read-only array, one flattened vector for each row.
 
@@ -204,6 +246,14 @@ def _flatten_lists(array: pa.Array, size: int, shape: Sequence[int], path: Path,
             raise DatasetError(Fault(path, column, f"{sizes[row]} in row {row}", expected))
         return array.values.slice(offsets[0], len(array) * size)
     raise DatasetError(Fault(path, column, f"values of type {array.type}", expected))
+
+
+def _decoded(array: pa.Array | pa.ChunkedArray, column: str, path: Path) -> list[str]:
+    try:
+        decoded: list[str] = array.to_pylist()
+    except UnicodeDecodeError as error:
+        raise DatasetError(Fault(path, column, f"bytes that are no text ({error.reason})", "text in UTF-8")) from None
+    return decoded
 
 
 def _is_list(kind: pa.DataType) -> bool:

@@ -14,6 +14,7 @@ from typing import Annotated, Any
 import msgspec
 
 from z2r.errors import DatasetError, Fault
+from z2r.format.names import names_of, repeated
 from z2r.format.store import check_folder, inside, read_bytes
 
 INFO_PATH = Path("meta/info.json")
@@ -41,11 +42,15 @@ class Feature(msgspec.Struct, frozen=True):
         Shape of one frame's value.
     names : object
         What the file gives as names of the dimensions: a list, a dict, or nothing. `dim_names` reads them.
+    info, video_info : object
+        What the file says of a camera; `z2r.format.about` reads it.
     """
 
     dtype: str
     shape: tuple[Annotated[int, msgspec.Meta(ge=0)], ...]
     names: Any = None
+    info: Any = None
+    video_info: Any = None
 
     @property
     def size(self) -> int:
@@ -60,17 +65,28 @@ class Feature(msgspec.Struct, frozen=True):
     @property
     def dim_names(self) -> tuple[str, ...]:
         """The name of each dimension; empty where the file does not give one for each."""
-        names = self.names
-        if isinstance(names, dict) and len(names) == 1:  # {"motors": [...]}
-            (names,) = names.values()
-        if isinstance(names, list | tuple) and len(names) == self.size and all(isinstance(name, str) for name in names):
-            return tuple(names)
-        return ()
+        return names_of(self.names, self.shape)
 
     @property
     def labels(self) -> tuple[str, ...]:
         """What to call each dimension: its name, or else its place, such as ``[2]``."""
         return self.dim_names or tuple(f"[{place}]" for place in range(self.size))
+
+    def place(self, name: str) -> int:
+        """Return where the dimension of a name stands.
+
+        Raises
+        ------
+        ValueError
+            If no dimension has this name, or two have: then nobody knows which one is meant.
+        """
+        dims = self.dim_names
+        if dims.count(name) == 1:
+            return dims.index(name)
+        if name not in dims:
+            raise ValueError(f"no dimension {name!r}: {', '.join(dims) or 'its dimensions have no names'}")
+        places = [str(place) for place, each in enumerate(dims) if each == name]
+        raise ValueError(f"{len(places)} dimensions are called {name!r}, at {', '.join(places)}: name one by its place")
 
 
 class Schema(msgspec.Struct, frozen=True):
@@ -88,6 +104,8 @@ class Schema(msgspec.Struct, frozen=True):
         In the order of the file.
     data_path : str
         Template of a data file's path: ``data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet``.
+    robot_type : object
+        What the file says of the robot; `z2r.format.about` reads it.
     """
 
     codebase_version: str
@@ -96,6 +114,7 @@ class Schema(msgspec.Struct, frozen=True):
     total_frames: Annotated[int, msgspec.Meta(ge=0)]
     features: dict[str, Feature]
     data_path: str
+    robot_type: Any = None
 
     def __repr__(self) -> str:
         return f"Schema({len(self.features)} features at {self.fps:g} fps)"
@@ -118,17 +137,19 @@ class Schema(msgspec.Struct, frozen=True):
         Raises
         ------
         ValueError
-            If the feature or a name is not in the schema; the message lists those that are.
+            If the feature or a name is not in the schema, where the message lists those that are; or a name comes
+            twice.
         """
         if feature not in self.features:
             raise ValueError(f"no feature {feature!r} among {', '.join(self.features)}")
-        dims = self.features[feature].dim_names
-        for name in names:
-            if name not in dims:
-                raise ValueError(
-                    f"no dimension {name!r} in {feature}: {', '.join(dims) or 'its dimensions have no names'}"
-                )
-        return [dims.index(name) for name in names]
+        try:
+            return [self.features[feature].place(name) for name in names]
+        except ValueError as error:
+            raise ValueError(f"{feature}: {error}") from None
+
+    def repeated(self) -> set[str]:
+        """Return the names that stand for several dimensions of one signal, so that nobody knows which one is meant."""
+        return {name for feature in self.signals().values() for name in repeated(feature.dim_names)}
 
     def signals(self) -> dict[str, Feature]:
         """Return the numeric features that the robot saw or did: all but the bookkeeping, pictures and depth maps."""

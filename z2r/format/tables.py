@@ -17,7 +17,7 @@ from z2r.arrays import Array, Columns, Ints
 from z2r.errors import DatasetError, Fault, some
 from z2r.format import rules
 from z2r.format.episodes import EpisodeTable, file_numbers, shard_paths
-from z2r.format.parquet import has_gaps, integers, open_parquet, read_columns, vectors, width
+from z2r.format.parquet import has_gaps, integers, open_parquet, read_columns, texts, vectors, width
 from z2r.format.schema import BOOKKEEPING, INFO_PATH, MAX_SIGNAL_SIZE, Feature, Schema, data_file_path, read_info
 from z2r.format.store import inside, read_bytes
 
@@ -206,7 +206,7 @@ def _skipped_numbers(shards: Sequence[Path]) -> Iterator[Fault]:
 def read_tasks(root: Path) -> Read[Ints | None]:
     """Read the numbers of the tasks; None where they cannot be read."""
     try:
-        tasks = _task_numbers(inside(root, TASKS_PATH))
+        tasks, _ = _task_table(inside(root, TASKS_PATH))
     except DatasetError as error:
         return Read(None, (error.fault.relative_to(root),))
     if not np.array_equal(np.sort(tasks), np.arange(len(tasks))) or not len(tasks):
@@ -215,15 +215,25 @@ def read_tasks(root: Path) -> Read[Ints | None]:
     return Read(tasks)
 
 
-def _task_numbers(path: Path) -> Ints:
+def read_task_texts(root: Path) -> Read[list[str] | None]:
+    """Read the texts of the tasks in the order of their numbers; None where they cannot be read."""
+    try:
+        tasks, said = _task_table(inside(root, TASKS_PATH))
+    except DatasetError as error:
+        return Read(None, (error.fault.relative_to(root),))
+    return Read([said[row] for row in np.argsort(tasks, kind="stable").tolist()])
+
+
+def _task_table(path: Path) -> tuple[Ints, list[str]]:
     parquet = open_parquet(path)
     stored = parquet.schema_arrow  # the text is in the index of a pandas table, whose name may be any
-    texts = [field.name for field in stored if pa.types.is_string(field.type) or pa.types.is_large_string(field.type)]
-    table = read_columns(parquet, path, ["task_index", *texts])
+    names = [field.name for field in stored if pa.types.is_string(field.type) or pa.types.is_large_string(field.type)]
+    table = read_columns(parquet, path, ["task_index", *names])
     tasks = integers(table, "task_index", path)
-    if not any(not table.column(text).null_count for text in texts):
+    whole = next((name for name in names if not table.column(name).null_count), None)
+    if whole is None:
         raise DatasetError(Fault(path, "task", "no such column, or gaps in it", "the text of each task"))
-    return tasks
+    return tasks, texts(table, whole, path)
 
 
 def read_stats(root: Path) -> Read[dict[str, dict[str, Any]] | None]:

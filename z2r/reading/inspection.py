@@ -12,6 +12,7 @@ import msgspec
 import numpy as np
 
 from z2r.arrays import Array, Bools, Columns, Floats, Ints, Progress, no_progress, reduce_parts
+from z2r.format.about import About, read_about
 from z2r.format.dataset import Dataset, map_files
 from z2r.format.episodes import DataFile, EpisodeIndex, parts_within
 from z2r.format.schema import ACTION, STATE, Schema
@@ -100,6 +101,8 @@ class Inspection:
         from the first frame in `kept`.
     kept : Columns
         Their frames, for who wants to draw them; none unless asked for.
+    about : About
+        What the dataset says of itself.
     """
 
     dataset: Dataset
@@ -114,6 +117,7 @@ class Inspection:
     action: tuple[DrivenColumn, ...]
     shown: EpisodeIndex
     kept: Columns
+    about: About
 
     def __repr__(self) -> str:
         reached = f"reached {self.outcome.tally}" if self.outcome else "nothing says what counts as reached"
@@ -138,6 +142,12 @@ class Inspection:
         if all(goal.stored == self.stored.source for goal in self.reading.goal):
             return ""
         return self.stored.agreement(self.outcome.reached, self.episodes)
+
+    @property
+    def lacking(self) -> str:
+        """The columns that the reading would have needed, and of which of them there is more than one."""
+        twice = self.schema.repeated()
+        return ", ".join(f"{name} (twice there, so unclear)" if name in twice else name for name in self.missing)
 
     @property
     def last_frames(self) -> Columns:
@@ -185,6 +195,7 @@ class Inspection:
             "stored_success": stored and stored.any_frame.tolist(),
             "n_stored_success": stored and stored.n_success,
             "stored_success_source": stored and stored.source,
+            **msgspec.to_builtins(self.about),
         }
 
 
@@ -242,6 +253,7 @@ def inspect_dataset(
         action=infer_action(sample_of(_joined([part.sample for part in parts]), windows, schema), _units(fits, schema)),
         shown=beginning(dataset.episodes, keep),
         kept=_joined([part.kept for part in parts]) if keep else {},
+        about=read_about(dataset.root, schema, dataset.episodes.numbers),
     )
 
 

@@ -204,18 +204,18 @@ def locate(name: str, feature: str, schema: Schema) -> tuple[str, int]:
     Raises
     ------
     ValueError
-        If it is not there; the message lists what is.
+        If it is not there, where the message lists what is; or two dimensions have this name.
     """
     signals = schema.signals()
     if feature in signals and name in signals[feature].dim_names:
-        return feature, signals[feature].dim_names.index(name)
+        return feature, signals[feature].place(name)
     if name in signals and signals[name].size == 1:
         return name, 0
     owners = [other for other in signals if name.startswith(f"{other}/")]  # a feature, or a dimension, may have a "/"
     for other in owners:
         dim, dims = name.removeprefix(f"{other}/"), signals[other].dim_names
         if dim in dims:
-            return other, dims.index(dim)
+            return other, signals[other].place(dim)
         if dim.isdecimal() and dim.isascii() and len(dim) < 9 and int(dim) < signals[other].size:
             return other, int(dim)
         feature = other

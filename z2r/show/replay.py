@@ -14,6 +14,8 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from z2r.arrays import Array, Columns, Floats, Ints
+from z2r.errors import printable
+from z2r.format.about import About
 from z2r.format.schema import ACTION, STATE, Schema
 from z2r.reading.angles import yaw_quaternions
 from z2r.reading.bodies import Body, Role, bodies_of
@@ -94,6 +96,7 @@ def write_replay(inspection: Inspection, path: Path, scene: Scene | None = None)
     starts = np.cumsum(shown.lengths) - shown.lengths
     view = _view(decoded, scene) if decoded and decoded.reading.poses else None
     recorder = _Recorder(path, _blueprint(frames, reading, view), schema.fps, starts, len(rows))
+    recorder.static("about", rr.TextDocument(_about(inspection.about)))
     recorder.columns("eval/episode_index", rr.Scalars.columns(scalars=np.repeat(np.arange(len(shown)), shown.lengths)))
     if ACTION in frames:
         _send_feature(recorder, "policy/action", frames[ACTION], schema, ACTION)
@@ -105,6 +108,11 @@ def write_replay(inspection: Inspection, path: Path, scene: Scene | None = None)
         _send_errors(recorder, decoded)
     recorder.close()
     return Replay(path, len(rows), len(shown))
+
+
+def _about(about: About) -> str:
+    """Return what the dataset says of itself, a line for each; as plain text, so that no name in it is markup."""
+    return "\n".join(f"{kind}: {printable(line)}" for kind, lines in about.lines.items() for line in lines)
 
 
 def _send_feature(recorder: _Recorder, entity: str, values: Array, schema: Schema, name: str) -> None:
@@ -219,7 +227,8 @@ def _blueprint(frames: Mapping[str, Array], reading: Reading | None, view: _View
     if ACTION in frames:
         plots.append(_plot("action", "policy/action"))
     plots.append(_plot("episode", "eval/episode_index", legend=False))
-    layout: rrb.Container = rrb.Vertical(*plots)
+    about = rrb.TextDocumentView(name="about", origin="about")
+    layout: rrb.Container = rrb.Vertical(*plots, about)
     if view:
         layout = rrb.Horizontal(_world_view(view), layout, column_shares=[3, 2])
     time_panel = rrb.TimePanel(timeline="sim_time", play_state="paused", state="collapsed")

@@ -4,6 +4,7 @@ import contextlib
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,6 +19,7 @@ from rich.text import Text
 from z2r.audits.findings import Finding
 from z2r.check import Severity
 from z2r.errors import printable
+from z2r.format.about import About
 from z2r.format.schema import Schema
 from z2r.reading.breaks import BreakMode
 from z2r.reading.inspection import Inspection
@@ -60,11 +62,23 @@ def summary(inspection: Inspection, title: str, given: bool = False) -> Renderab
     tables = (_schema_table(inspection), _action(inspection), _Episodes(inspection))
     return Group(
         head,
+        _about(inspection.about),
         *(part for table in tables for part in (Text(), table)),
         Text(spread),
         _reached(inspection, given),
         *_stored(inspection),
     )
+
+
+def _about(about: About) -> Table:
+    """Return what the dataset says of itself, a line for each."""
+    lines = Table.grid(padding=(0, 2))
+    lines.add_column(style="dim", no_wrap=True)
+    lines.add_column(overflow="fold")
+    for kind, said in about.lines.items():
+        for name, line in zip_longest([kind], said, fillvalue=""):
+            lines.add_row(name, printable(line))
+    return lines
 
 
 def audit_report(audit: "Audit", title: str) -> RenderableType:
@@ -260,7 +274,7 @@ def _why_unknown(inspection: Inspection) -> str:
     if inspection.reading is not None:
         return f"for the reading {printable(inspection.reading.name)} has no goal: z2r reading drafts one to fill in"
     if inspection.missing:
-        return f"for the schema lacks what the reading needs: {printable(', '.join(inspection.missing))}"
+        return f"for the schema lacks what the reading needs: {printable(inspection.lacking)}"
     return "for no reading says what its columns mean: z2r reading drafts one to fill in"
 
 

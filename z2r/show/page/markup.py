@@ -68,6 +68,7 @@ def _facts(inspection: Inspection) -> str:
         "on average": f"{lengths.mean():,.1f}",
         "LeRobot format": escape(printable(schema.codebase_version)),
     }
+    facts |= {name: escape(printable("; ".join(lines))) for name, lines in inspection.about.lines.items()}
     return "".join(f"<div><dt>{name}</dt><dd>{value}</dd></div>" for name, value in facts.items())
 
 
@@ -135,7 +136,7 @@ def _why_unread(inspection: Inspection) -> str:
     if inspection.reading is not None:
         return f"the reading {inspection.reading.name} has no goal."
     if inspection.missing:
-        return f"its reading needs {', '.join(inspection.missing)}, which is not there."
+        return f"its reading needs {inspection.lacking}, which is not there."
     return "no reading says what its columns mean, and what counts as reached."
 
 
