@@ -70,10 +70,11 @@ def write_page(robot: Robot, path: Path) -> str:
 
 
 @pytest.mark.parametrize("name", WRITTEN)
-def test_no_reading_that_ships_is_taken_for_its_own(name, robots):
+def test_a_reading_that_ships_is_taken_only_where_its_columns_are_those_of_the_robot(name, robots):
     dataset, _ = robots[name]
     inspection = z2r.inspect_dataset(dataset)
-    assert inspection.reading is inspection.outcome is None
+    assert inspection.outcome is None
+    assert (inspection.reading and inspection.reading.name) == {"arm": "so101"}.get(name)
 
 
 @pytest.mark.parametrize("name", WRITTEN)

@@ -581,13 +581,12 @@ def sample_windows(episodes: EpisodeIndex, max_frames: int = 8_000, longest: int
     """
     if episodes.n_frames <= max_frames:
         return episodes
-    n_windows = -(-episodes.lengths // longest)
-    place = np.repeat(np.arange(len(episodes)), n_windows)
-    inner = np.arange(len(place)) - np.repeat(np.cumsum(n_windows) - n_windows, n_windows)
+    before = np.cumsum(-(-episodes.lengths // longest))  # windows, up to the end of each episode
+    chosen = np.arange(0, int(before[-1]), -(-episodes.n_frames // max_frames))
+    place = np.searchsorted(before, chosen, side="right")  # the episode of each
+    inner = chosen - np.concatenate([[0], before[:-1]])[place]
     start = episodes.from_index[place] + longest * inner
-    stop = np.minimum(start + longest, episodes.to_index[place])
-    step = -(-int((stop - start).sum()) // max_frames)
-    return EpisodeIndex(start[::step], stop[::step], episodes.numbers[place[::step]])
+    return EpisodeIndex(start, np.minimum(start + longest, episodes.to_index[place]), episodes.numbers[place])
 
 
 def sample_of(frames: Columns, windows: EpisodeIndex, schema: Schema) -> ActionSample:
