@@ -173,7 +173,7 @@ class Inspection:
             **{f"final_{name}": None if each is None else each.round(6).tolist() for name, each in errors.items()},
             "reading": self.reading and self.reading.name,
             "action": [_rounded(driven) for driven in self.action],
-            **msgspec.to_builtins(self.about),
+            **self.about.to_dict(),
         }
 
 
