@@ -151,7 +151,8 @@ class Inspection:
         -------
         dict
             ``success_rate`` is the share of episodes that *reached* the goal: the key is the seed course's. What each
-            goal measures at the end is ``final_`` and its name. What depends on a reading is None where there is none.
+            goal measures at the end is ``final_`` and its name. What depends on a reading is None where there is none;
+            so is what the dataset should say of itself, and does not.
         """
         lengths, outcome = self.episodes.lengths, self.outcome
         errors = {"pos_err": None, "ang_err": None} | (outcome.final_errors if outcome else {})
