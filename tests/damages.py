@@ -36,6 +36,7 @@ from z2r.pusht.verdict import verdict_path
 
 INFO, TASKS, EPISODES_DIR = "meta/info.json", "meta/tasks.parquet", "meta/episodes"
 EPISODES, DATA = "meta/episodes/chunk-000/file-000.parquet", "data/chunk-000/file-000.parquet"
+VIDEO = "videos/observation.images.top/chunk-000/file-000.mp4"
 STATE = "observation.state"
 NAMES = {STATE: STATE_NAMES, "action": ACTION_NAMES}
 SIN_COS = ("sin_tee_yaw", "cos_tee_yaw")
@@ -179,7 +180,7 @@ def declare_video(root: Path, name: str = "observation.images.top") -> None:
 
 
 def orphan_video(root: Path) -> None:
-    path = root / "videos/observation.images.top/chunk-000/file-000.mp4"
+    path = root / VIDEO
     path.parent.mkdir(parents=True)
     path.write_bytes(b"")
 
@@ -205,6 +206,12 @@ def spoil_column(path: Path, column: str) -> None:
             start = chunk.dictionary_page_offset or chunk.data_page_offset
             data[start : start + chunk.total_compressed_size] = b"\xff" * chunk.total_compressed_size
     path.write_bytes(data)
+
+
+def leave_pointer(path: Path) -> None:
+    """Leave what Git LFS leaves of a file that was not fetched."""
+    size, digest = path.stat().st_size, hashlib.sha256(path.read_bytes()).hexdigest()
+    path.write_text(f"version https://git-lfs.github.com/spec/v1\noid sha256:{digest}\nsize {size}\n")
 
 
 def put_folder(path: Path) -> None:
@@ -695,7 +702,32 @@ ON_INFO: dict[str, Damage] = {
         "version",
         INFO,
         "v2.1",
-        reader="lerobot.scripts.convert_dataset_v21_to_v30",
+        reader="--push-to-hub=false",
+    ),
+    "version 2.0": Damage(
+        lambda root: edit_info(root, codebase_version="v2.0"), "version", INFO, "on the hub", reader="from v2.1 only"
+    ),
+    "info a pointer of Git LFS": Damage(
+        lambda root: leave_pointer(root / INFO), "info", INFO, "git lfs pull", reader="git lfs pull"
+    ),
+    "a shard a pointer of Git LFS": Damage(
+        lambda root: leave_pointer(root / EPISODES), "episodes-file", EPISODES, "git lfs pull", reader="git lfs pull"
+    ),
+    "tasks a pointer of Git LFS": Damage(lambda root: leave_pointer(root / TASKS), "tasks-file", TASKS, "git lfs pull"),
+    "statistics a pointer of Git LFS": Damage(
+        lambda root: leave_pointer(root / STATS_PATH), "stats-file", STATS_PATH, "git lfs pull"
+    ),
+    "a video a pointer of Git LFS": Damage(
+        lambda root: (declare_video(root), orphan_video(root), leave_pointer(root / VIDEO)),
+        "video-file",
+        VIDEO,
+        "git lfs pull",
+    ),
+    "videos in a folder of another name": Damage(
+        lambda root: (declare_video(root), orphan_video(root), (root / "videos").rename(root / "video")),
+        "video-file",
+        VIDEO,
+        "rename that to videos",
     ),
     "version 4": Damage(
         lambda root: edit_info(root, codebase_version="v4.0"), "version", INFO, "v4.0", reader="'v4.0'"
@@ -1315,10 +1347,7 @@ ON_DATA: dict[str, Damage] = {
         lambda root: (root / DATA).write_text("<html>404</html>"), "data-file", DATA, reader="cut off"
     ),
     "data of a git-lfs pointer": Damage(
-        lambda root: (root / DATA).write_text("version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 31652\n"),
-        "data-file",
-        DATA,
-        reader="cut off",
+        lambda root: leave_pointer(root / DATA), "data-file", DATA, "git lfs pull", reader="git lfs pull"
     ),
     "data without a row": Damage(
         lambda root: take_rows(root, DATA, lambda n: []), "file-rows", DATA, reader="rows", reader_file=DATA

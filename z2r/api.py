@@ -113,7 +113,8 @@ def load(dataset: str | os.PathLike[str]) -> Dataset:
     Parameters
     ----------
     dataset : str or path
-        The folder that holds ``meta/`` and ``data/``; or the name of a dataset that ships, such as ``standin``.
+        The folder that holds ``meta/`` and ``data/``; the name of a dataset that ships, such as ``standin``; or one of
+        the hub, such as ``lerobot/pusht``, that was downloaded before: nothing is fetched.
 
     Raises
     ------

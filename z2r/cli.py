@@ -1,4 +1,4 @@
-"""The command line: `z2r inspect`, `z2r audit`, `z2r report` and `z2r record`.
+"""The command line: `z2r inspect`, `z2r audit`, `z2r report`, `z2r ls` and `z2r record`.
 
 What is slow to import is imported in the command that uses it, so that `--help` is there at once.
 """
@@ -18,6 +18,7 @@ import rich_click as click
 
 from z2r.data import SHIPPED, find_dataset
 from z2r.errors import DatasetError, Fault, MissingExtraError
+from z2r.format.store import folder_name
 from z2r.pusht.task import DEMO_NOISE, MAX_STEPS
 from z2r.reading.breaks import BREAK_MODES, BreakMode
 
@@ -169,7 +170,8 @@ def inspect(
     """Say what is in a dataset: what a frame is, where episodes end, how many reached the target.
 
     DATASET is the folder of a LeRobot v3 dataset, or the name of one that comes with the package: `standin` (read
-    where none is named) or `messy`. It is never written to.
+    where none is named) or `messy`; or `user/name` as on the hub, where it was downloaded before: `z2r ls` lists them.
+    It is never written to, and nothing is fetched.
 
     A dataset seldom stores success. It is reconstructed from the last stored frame of each episode, by a reading: which
     column means what, and what counts as reached.
@@ -186,7 +188,7 @@ def inspect(
     if dataset and afresh:
         raise click.UsageError("--seed and --smoke record afresh: leave DATASET out, or leave them out")
     root = _record_afresh(out, wanted, quiet=as_json) if afresh else find_dataset(dataset)
-    title = "recorded afresh" if afresh else root.resolve().name
+    title = "recorded afresh" if afresh else folder_name(root)
     _refuse_inside(root, out)
     data, lost = _load(root, salvaged=salvage)
     screen = console(as_json)
@@ -425,7 +427,7 @@ def audit(dataset: Path | None, *, reading: "Reading | None", mode: BreakMode | 
     from z2r.show.terminal import audit_report, console, progress
 
     root = find_dataset(dataset)
-    title = root.resolve().name
+    title = folder_name(root)
     screen = console(as_json)
     with contextlib.suppress(DatasetError):  # of a schema that cannot be read, the audit says why
         _fitting(reading, read_schema(root))
@@ -470,6 +472,25 @@ def reading(dataset: Path | None, *, out: Path | None) -> None:
         raise click.UsageError(f"--out: {out} exists, and you may have filled it in: name another file")
     out.write_text(draft, encoding="utf-8")
     click.echo(f"wrote {out}: fill in what is unknown, then z2r inspect {data.root} --reading {out}")
+
+
+@cli.command()
+@click.option("--json", "as_json", is_flag=True, help="Print the list as JSON and nothing else.")
+def ls(*, as_json: bool) -> None:
+    """List the datasets that are there: those that ship, in this folder, in LeRobot's cache and in the hub's.
+
+    Only `meta/info.json` of each is read. What stands under `name` is what the other commands take for DATASET. The
+    caches are where `HF_LEROBOT_HOME`, `HF_HUB_CACHE` and `HF_HOME` say; nothing is fetched.
+    """
+    import msgspec
+
+    from z2r.show.listing import list_datasets
+    from z2r.show.terminal import console, listing
+
+    found = list_datasets(Path())
+    if as_json:
+        click.echo(msgspec.json.format(msgspec.json.encode(found), indent=2))
+    console(as_json).print(listing(found))
 
 
 @cli.command()

@@ -95,6 +95,11 @@ class About(msgspec.Struct, frozen=True):
     cameras: tuple[Camera, ...]
     text_columns: tuple[str, ...]
 
+    def to_dict(self) -> dict[str, Any]:
+        """Return it as plain Python values, as they stand in `metrics.json`; None where something is unknown."""
+        values = msgspec.to_builtins(self)
+        return {key: [*value] if isinstance(value, tuple) else value for key, value in values.items()}
+
     @property
     def lines(self) -> dict[str, list[str]]:
         """What it comes to in words, by its kind; of many tasks, those of most episodes.

@@ -15,7 +15,7 @@ import pyarrow.parquet as pq
 
 from z2r.arrays import Array, Ints
 from z2r.errors import DatasetError, Fault, some
-from z2r.format.store import fault_of, open_mapped
+from z2r.format.store import check_no_pointer, fault_of, open_mapped
 
 # The last one: pyarrow meets a damaged column name.
 _UNREADABLE = (pa.ArrowException, OSError, UnicodeDecodeError)
@@ -29,13 +29,14 @@ def open_parquet(path: Path) -> pq.ParquetFile:
     Raises
     ------
     DatasetError
-        If the file is missing, or is no whole parquet file.
+        If the file is missing, a pointer of Git LFS, or no whole parquet file.
     """
     try:
         return pq.ParquetFile(open_mapped(path))
     except (FileNotFoundError, PermissionError) as error:
         raise DatasetError(fault_of(error, path, "a parquet file")) from None
     except _UNREADABLE as error:
+        check_no_pointer(path, "a parquet file")
         raise _unreadable(path, error) from error
 
 
@@ -170,8 +171,7 @@ def text_sets(file: pq.ParquetFile, column: str, path: Path) -> Iterator[set[str
 
 
 def _text_sets(lists: pa.Array, column: str, path: Path) -> Iterator[set[str]]:
-    lists_of_any_length = pa.types.is_list(lists.type) or pa.types.is_large_list(lists.type)
-    if not lists_of_any_length or not pa.types.is_dictionary(lists.type.value_type):
+    if not _is_lists_of_known_texts(lists.type):
         raise DatasetError(Fault(path, column, f"values of type {lists.type}", "lists of text"))
     known, places = _decoded(lists.values.dictionary, column, path), lists.values.indices.to_pylist()
     for start, stop in itertools.pairwise(lists.offsets.to_pylist()):
@@ -254,6 +254,13 @@ def _decoded(array: pa.Array | pa.ChunkedArray, column: str, path: Path) -> list
     except UnicodeDecodeError as error:
         raise DatasetError(Fault(path, column, f"bytes that are no text ({error.reason})", "text in UTF-8")) from None
     return decoded
+
+
+def _is_lists_of_known_texts(kind: pa.DataType) -> bool:
+    if not (pa.types.is_list(kind) or pa.types.is_large_list(kind)) or not pa.types.is_dictionary(kind.value_type):
+        return False
+    text = kind.value_type.value_type
+    return bool(pa.types.is_string(text) or pa.types.is_large_string(text))
 
 
 def _is_list(kind: pa.DataType) -> bool:

@@ -6,6 +6,7 @@ dimensions. The layout is that of LeRobot's dataset format v3.0 (lerobot 0.6.1, 
 
 import math
 import re
+import shlex
 import string
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,7 +16,7 @@ import msgspec
 
 from z2r.errors import DatasetError, Fault
 from z2r.format.names import names_of, repeated
-from z2r.format.store import check_folder, inside, read_bytes
+from z2r.format.store import check_folder, exists, in_full, inside, read_bytes
 
 INFO_PATH = Path("meta/info.json")
 STATE = "observation.state"
@@ -25,7 +26,7 @@ ACTION = "action"
 BOOKKEEPING = ("timestamp", "frame_index", "episode_index", "index", "task_index")
 
 _NOT_NUMERIC = ("image", "video", "string", "language")
-_CONVERTER = "python -m lerobot.scripts.convert_dataset_v21_to_v30 --repo-id=REPO_ID"
+CONVERTER = "lerobot.scripts.convert_dataset_v21_to_v30"
 _MAX_INFO_BYTES = 64 * 2**20
 _MAX_FEATURES = 10_000
 MAX_SIGNAL_SIZE = 1024  # numbers a frame: more than that is a picture
@@ -255,8 +256,37 @@ def _excerpt(raw: bytes, keys: Sequence[str]) -> str:
 def _check_version(version: str, path: Path) -> None:
     if version.startswith("v3."):
         return
-    mend = f"Convert it: {_CONVERTER}" if version.startswith("v2.") else ""
+    mend = _way_to_v3(in_full(path.parents[1]), version)
     raise DatasetError(Fault(path, "codebase_version", repr(version), "'v3.0' or a later v3", mend=mend))
+
+
+def conversion(root: Path) -> str:
+    """Return the command that converts a folder of format v2.1 where it is, and pushes nothing to the hub.
+
+    The converter wants a name for what it would push, and never uses it here (lerobot 0.6.1,
+    `lerobot/scripts/convert_dataset_v21_to_v30.py`).
+
+    >>> print(conversion(Path("my data")))
+    python -m lerobot.scripts.convert_dataset_v21_to_v30 --repo-id=my/own '--root=my data' --push-to-hub=false
+    """
+    return f"python -m {CONVERTER} --repo-id=my/own {shlex.quote(f'--root={root}')} --push-to-hub=false"
+
+
+def _way_to_v3(root: Path, version: str) -> str:
+    """Say how to convert an older dataset, and what of that does not go well."""
+    if version == "v2.1":
+        aside = root.with_name(f"{root.name}_old")
+        if root.parent.name == "snapshots":
+            return f"Copy it out of the cache (cp -rL), and convert the copy: {conversion(Path('COPY'))}"
+        if exists(aside):
+            return f"Move {aside} away, or the converter puts that in its place; then {conversion(root)}"
+        return f"Convert it; the old one is kept as {aside.name}: {conversion(root)}"
+    if version == "v2.0":
+        return (
+            "LeRobot 0.6.1 converts from v2.1 only. LeRobot 0.3.3 makes v2.1 of v2.0 (python -m"
+            " lerobot.datasets.v21.convert_dataset_v20_to_v21), but only of a dataset on the hub, and pushes it there"
+        )
+    return ""
 
 
 def _check_template(template: str, path: Path) -> None:

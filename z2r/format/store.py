@@ -12,6 +12,8 @@ if TYPE_CHECKING:
     import pyarrow as pa
 
 _AGAIN = "Copy or download the dataset again"
+_POINTER = b"version https://git-lfs"
+_MAX_POINTER_BYTES = 1024  # by the specification of Git LFS
 _RIGHTS = "Give yourself the right to read the dataset: chmod -R u+rX"
 
 
@@ -48,8 +50,20 @@ def inside(root: Path, relative: Path | str) -> Path:
 
 
 def folder_name(root: Path) -> str:
-    """Return what a folder is called; the one that we stand in, ``.``, has a name too."""
-    return root.resolve().name
+    """Return what a dataset is called: as its folder, or in a cache of the hub as there.
+
+    >>> folder_name(Path("hub/datasets--lerobot--pusht/snapshots/0123abcd"))
+    'lerobot/pusht'
+    """
+    folder = root.resolve()  # the one that we stand in, ".", has a name too
+    if folder.parent.name == "snapshots" and (of_hub := folder.parents[1].name.split("--"))[0] == "datasets":
+        return "/".join(of_hub[1:])
+    return folder.name
+
+
+def in_full(path: Path) -> Path:
+    """Return the path from the top, links followed: what another program needs that starts elsewhere."""
+    return path.resolve()
 
 
 def check_folder(root: Path) -> None:
@@ -84,15 +98,37 @@ def read_bytes(path: Path, max_bytes: int, expected: str, mend: str = _AGAIN) ->
     Raises
     ------
     DatasetError
-        If it is missing, too large, or cannot be read.
+        If it is missing, too large, a pointer of Git LFS, or cannot be read.
     """
     try:
         size = path.stat().st_size
         if size > max_bytes:
             raise DatasetError(Fault(path, "", f"{size} bytes", f"at most {max_bytes}"))
-        return path.read_bytes()
+        raw = path.read_bytes()
     except OSError as error:
         raise DatasetError(fault_of(error, path, expected, mend)) from error
+    check_no_pointer(path, expected)
+    return raw
+
+
+def check_no_pointer(path: Path, expected: str) -> None:
+    """Check that a file is what it should be, and no pointer to it: that is what a clone without Git LFS leaves behind.
+
+    Raises
+    ------
+    DatasetError
+        If it is a pointer, or cannot be looked into.
+    """
+    try:
+        if path.stat().st_size > _MAX_POINTER_BYTES:
+            return
+        with path.open("rb") as file:
+            begins = file.read(len(_POINTER))
+    except OSError as error:
+        raise DatasetError(fault_of(error, path, expected)) from None
+    if begins == _POINTER:
+        mend = "Fetch what it points at, in its folder: git lfs pull"
+        raise DatasetError(Fault(path, "", "a pointer of Git LFS", expected, mend))
 
 
 def open_mapped(path: Path) -> "pa.NativeFile":
@@ -120,6 +156,14 @@ def is_file(path: Path) -> bool:
         return path.is_file()
     except OSError as error:
         raise DatasetError(fault_of(error, path, "a file that can be read")) from None
+
+
+def exists(path: Path) -> bool:
+    """Tell whether there is anything of this name; nothing of it is read."""
+    try:
+        return path.exists()
+    except OSError:
+        return False
 
 
 def find(root: Path, folder: Path | str, pattern: str) -> list[Path]:

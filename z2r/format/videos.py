@@ -11,7 +11,7 @@ from typing import NamedTuple
 from z2r.errors import DatasetError, Fault
 from z2r.format.parquet import integers, open_parquet, read_columns
 from z2r.format.schema import INFO_PATH, Schema
-from z2r.format.store import inside, is_file
+from z2r.format.store import check_no_pointer, inside, is_file
 from z2r.format.tables import Read
 
 _EXAMPLE = "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"
@@ -71,7 +71,17 @@ def _checked_template(video_path: str | None) -> str:
 
 def _missing(root: Path, path: str) -> list[Fault]:
     try:
-        there = is_file(inside(root, path))
+        if is_file(inside(root, path)):
+            check_no_pointer(root / path, "a video")
+            return []
+        return [Fault(Path(path), "", "no such file", "a video", _way_to_a_video(root, path))]
     except DatasetError as error:
         return [error.fault.relative_to(root)]
-    return [] if there else [Fault(Path(path), "", "no such file", "a video", "Copy or download it again")]
+
+
+def _way_to_a_video(root: Path, path: str) -> str:
+    """Some people's videos stand in `video/`, where no reader looks for them."""
+    first, _, rest = path.partition("/")
+    if first == "videos" and is_file(inside(root, f"video/{rest}")):
+        return "It is in a folder video: rename that to videos"
+    return "Copy or download it again"

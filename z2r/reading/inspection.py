@@ -171,6 +171,7 @@ class Inspection:
             goal measures at the end is ``final_`` and its name. What depends on a reading is None where there is none.
             ``stored_success`` says of each episode whether the dataset calls it a success in some frame, and
             ``stored_success_source`` which column does; None where none does.
+            What the dataset should say of itself and does not is None too.
         """
         lengths, outcome, stored = self.episodes.lengths, self.outcome, self.stored
         errors = {"pos_err": None, "ang_err": None} | (outcome.final_errors if outcome else {})
@@ -195,7 +196,7 @@ class Inspection:
             "stored_success": stored and stored.any_frame.tolist(),
             "n_stored_success": stored and stored.n_success,
             "stored_success_source": stored and stored.source,
-            **msgspec.to_builtins(self.about),
+            **self.about.to_dict(),
         }
 
 

@@ -18,12 +18,13 @@ from rich.text import Text
 
 from z2r.audits.findings import Finding
 from z2r.check import Severity
-from z2r.errors import printable
+from z2r.errors import printable, short, some
 from z2r.format.about import About
 from z2r.format.schema import Schema
 from z2r.reading.breaks import BreakMode
 from z2r.reading.inspection import Inspection
 from z2r.show import wallclock
+from z2r.show.listing import Listed
 
 if TYPE_CHECKING:  # `z2r inspect` has no use for it
     from z2r.audits.audit import Audit
@@ -93,6 +94,25 @@ def audit_report(audit: "Audit", title: str) -> RenderableType:
     left_out = [Text(f"{check}: {number:,} more like these", style="dim") for check, number in audit.more.items()]
     not_checked = [Text(f"not checked: {printable(what)}", style="dim") for what in audit.not_checked]
     return Group(head, *findings, Text(), *left_out, _verdict(audit), *not_checked)
+
+
+def listing(found: Sequence[Listed]) -> RenderableType:
+    """Return a table of datasets, and below it why some of them cannot be read."""
+    table = _table("What is there")
+    for name in ("name", "where", "episodes", "frames", "fps", "robot", "cameras"):
+        table.add_column(name, justify="right" if name in ("episodes", "frames", "fps") else "left", overflow="fold")
+    for each in found:
+        table.add_row(*map(printable, _listed(each)))
+    broken = [Text(f"{printable(each.name)}: {each.fault}", style="yellow") for each in found if each.fault]
+    return Group(table, *([Text(), *broken] if broken else []))
+
+
+def _listed(each: Listed) -> tuple[str, ...]:
+    if each.fault:
+        return each.name, each.where, "?", "?", "?", "", ""
+    cameras = [name.removeprefix("observation.").removeprefix("images.") for name in each.cameras]
+    counts = f"{each.n_episodes:,}", f"{each.n_frames:,}", f"{each.fps:g}"
+    return each.name, each.where, *counts, short(each.robot_type or ""), some(cameras)
 
 
 def left_out(lines: Sequence[str]) -> Text:

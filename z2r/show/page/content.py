@@ -10,6 +10,7 @@ from z2r.errors import printable
 from z2r.format.dataset import Dataset
 from z2r.format.episodes import EpisodeIndex
 from z2r.format.schema import Schema
+from z2r.format.store import folder_name
 from z2r.reading.bodies import Body, bodies_of
 from z2r.reading.breaks import BreakMode, break_mode
 from z2r.reading.decode import Decoded, decode
@@ -163,7 +164,7 @@ def read_content(inspection: Inspection, max_bytes: int, scene: Scene | None = N
     shown = beginning(side_by_side(kept), max(room, 1))
     rows = kept.frame_numbers[: shown.n_frames]
     return Content(
-        title=printable(dataset.root.resolve().name),
+        title=printable(folder_name(dataset.root)),
         inspection=inspection,
         scene=scene,
         views=_views(inspection, packed),
