@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
 from layouts import BOOKKEEPING, Layout, write_dataset
@@ -108,3 +109,11 @@ def test_the_reading_of_a_robot_is_chosen_where_its_columns_fit(name):
     names = [column for column in shipped_readings()[name].columns if "/" not in column]
     assert choose_reading(schema_of(names)).name == name
     assert choose_reading(schema_of([f"other_{column}" for column in names])) is None
+
+
+def test_of_robots_with_the_same_columns_the_type_tells(tmp_path):
+    names = [column for column in shipped_readings()["koch"].columns if "/" not in column]
+    schema = schema_of(names)
+    assert choose_reading(msgspec.structs.replace(schema, robot_type="koch_follower")).name == "koch"
+    assert choose_reading(msgspec.structs.replace(schema, robot_type="so101_follower")).name == "so101"
+    assert choose_reading(msgspec.structs.replace(schema, robot_type=7)).name == "so101"

@@ -92,11 +92,13 @@ def find_reading(name: str | os.PathLike[str]) -> Reading:
 
 
 def choose_reading(schema: Schema) -> Reading | None:
-    """Return the first reading that ships and fits; else one of which most columns are there, as if misspelt."""
+    """Return the reading that ships and fits, of several that of this robot; else one that nearly fits, as misspelt."""
     readings = [reading for reading in shipped_readings().values() if reading.names]
-    fitting = (reading for reading in readings if not reading.missing(schema))
+    fitting = [reading for reading in readings if not reading.missing(schema)]
+    robot = schema.robot_type if isinstance(schema.robot_type, str) else ""
+    of_this_robot = (reading for reading in fitting if reading.name in robot)
     nearly = (reading for reading in readings if len(reading.missing(schema)) < len(reading.names) / 2)
-    return next(fitting, None) or next(nearly, None)
+    return next(of_this_robot, None) or next(iter(fitting), None) or next(nearly, None)
 
 
 def reading_for(root: Path) -> Reading | None:

@@ -11,6 +11,7 @@ LeRobot itself writes a list, and a table of name to place for its gamepad and i
 import math
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
+from itertools import islice
 from typing import Any
 
 _MAX_DEPTH = 4  # of groups within groups: nobody has more, and a file may nest without end
@@ -36,19 +37,22 @@ def names_of(names: Any, shape: Sequence[int]) -> tuple[str, ...]:
     """
     if len(shape) > 1 and isinstance(names, dict) and len(names) > 1:
         return ()
-    flat = in_a_row(names)
-    return flat if len(flat) == math.prod(shape) and all(isinstance(name, str) for name in flat) else ()
+    size = math.prod(shape)
+    flat = in_a_row(names, size + 1)  # a file may hold a million of them
+    return flat if len(flat) == size and all(isinstance(name, str) for name in flat) else ()
 
 
-def in_a_row(names: Any) -> tuple[Any, ...]:
+def in_a_row(names: Any, most: int | None = None) -> tuple[Any, ...]:
     """Return the names one after another, those that several groups have behind their group; what is no text stays.
+
+    Of more than `most`, only the first are returned.
 
     >>> in_a_row([["x"], [7]])
     ('x', 7)
     """
     if names is None:
         return ()
-    leaves = list(_leaves(names, "", _MAX_DEPTH))
+    leaves = list(islice(_leaves(names, "", _MAX_DEPTH), most))
     groups = defaultdict(set)
     for group, name in leaves:
         groups[str(name)].add(group)
