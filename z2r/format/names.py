@@ -38,15 +38,24 @@ def names_of(names: Any, shape: Sequence[int]) -> tuple[str, ...]:
     if len(shape) > 1 and isinstance(names, dict) and len(names) > 1:
         return ()
     size = math.prod(shape)
-    flat = in_a_row(names, size + 1)  # a file may hold a million of them
+    if _has_more_than(names, size):
+        return ()
+    flat = in_a_row(names, size + 1)
     return flat if len(flat) == size and all(isinstance(name, str) for name in flat) else ()
 
 
 def in_a_row(names: Any, most: int | None = None) -> tuple[Any, ...]:
     """Return the names one after another, those that several groups have behind their group; what is no text stays.
 
-    Of more than `most`, only the first are returned.
+    Parameters
+    ----------
+    names : object
+        What `meta/info.json` gives.
+    most : int, optional
+        How many to return; all unless given.
 
+    Examples
+    --------
     >>> in_a_row([["x"], [7]])
     ('x', 7)
     """
@@ -66,6 +75,12 @@ def repeated(names: Sequence[Any]) -> tuple[str, ...]:
     ('x',)
     """
     return tuple(name for name, times in Counter(map(str, names)).items() if times > 1)
+
+
+def _has_more_than(names: Any, size: int) -> bool:
+    """Tell quickly of most that are too many: a file may name a million, and the names are asked for often."""
+    groups = names.values() if isinstance(names, dict) else names if isinstance(names, list | tuple) else ()
+    return len(groups) > size or sum(len(each) for each in groups if isinstance(each, dict | list | tuple)) > size
 
 
 def _leaves(names: Any, group: str, depth: int) -> Iterator[tuple[str, Any]]:
