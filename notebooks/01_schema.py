@@ -41,8 +41,9 @@ from pathlib import Path
 
 # Where z2r is missing, as in Colab: from a wheel beside this page, or else from its repository
 if importlib.util.find_spec("z2r") is None:
-    wheel = next((path.resolve().as_uri() for path in Path().glob("z2r-*.whl")), "git+https://github.com/zero2robot/seeing-like-a-robot")
-    get_ipython().run_line_magic("pip", f'install --quiet "z2r[notebook] @ {wheel}"')
+    wheels = [path.resolve().as_uri() for path in Path().glob("z2r-*.whl")]
+    source = wheels[0] if wheels else "git+https://github.com/zero2robot/seeing-like-a-robot"
+    get_ipython().run_line_magic("pip", f'install --quiet "z2r[notebook] @ {source}"')
 
 # %%
 import importlib.util

@@ -47,8 +47,9 @@ from pathlib import Path
 
 # Where z2r is missing, as in Colab: from a wheel beside this page, or else from its repository
 if importlib.util.find_spec("z2r") is None:
-    wheel = next((path.resolve().as_uri() for path in Path().glob("z2r-*.whl")), "git+{repository}")
-    get_ipython().run_line_magic("pip", f'install --quiet "z2r[notebook] @ {{wheel}}"')"""
+    wheels = [path.resolve().as_uri() for path in Path().glob("z2r-*.whl")]
+    source = wheels[0] if wheels else "git+{repository}"
+    get_ipython().run_line_magic("pip", f'install --quiet "z2r[notebook] @ {{source}}"')"""
 
 # What differs between two machines, or between two runs on one, has no place on a page.
 _SYSTEM_FOLDERS = "Users|content|etc|home|mnt|opt|private|proc|root|run|srv|tmp|usr|var"
