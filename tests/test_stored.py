@@ -5,6 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 from damages import BASES, FAILED, LUCKY, relabel, true_from
@@ -174,6 +175,13 @@ def test_a_label_in_some_frame_and_in_the_last_are_both_said(tmp_path):
     assert "stored: 4 of 6 in some frame, 1 of 6 in the last (next.success)" in printed(inspection)
 
 
+def test_a_reward_in_some_frame_and_in_the_last_are_both_said(tmp_path):
+    pulse = each(lambda n, success: ((np.arange(n) == 4) & success) * 1.0)
+    pulse[LENGTHS[0] - 1] = 1
+    inspection = z2r.inspect_dataset(write_labels(tmp_path / "d", rewarded(pulse)))
+    assert "4 of 6 in some frame, 1 of 6 in the last (next.reward with next.done)" in printed(inspection)
+
+
 @pytest.mark.parametrize(
     ("reward", "why"),
     [
@@ -309,19 +317,33 @@ def test_labels_that_cannot_be_read_in_one_file_are_not_judged_by_the_others(tmp
     assert "success-lost" not in checks
 
 
+def test_a_reward_that_cannot_be_read_in_one_file_is_not_judged_by_the_other(tmp_path):
+    success = each(lambda n, success: latched(n, success))
+    unpaid = {"next.success": success, "next.reward": success * 1.0}
+    unpaid["next.reward"][: LENGTHS[0]] = 0
+    checks = {finding.check for finding in z2r.audit(write_labels(tmp_path / "d", unpaid)).findings}
+    assert checks == {"success-reward"}
+    unpaid["next.reward"][-1] = np.nan
+    checks = {finding.check for finding in z2r.audit(write_labels(tmp_path / "e", unpaid)).findings}
+    assert "finite" in checks
+    assert not checks & {"success-reward", "audit"}
+
+
 @pytest.mark.parametrize("mode", ["yaw-swap", "first-frame-for-last"])
 def test_a_wrong_reading_is_found_by_what_is_stored(mode, labelled):
     findings = z2r.audit(labelled, z2r.break_mode(mode)).findings
     assert ("stored-success", "warning") in {(finding.check, finding.severity) for finding in findings}
 
 
-def test_an_episode_in_several_files_is_one(labelled):
-    """Its last frame is that of its last part, and it is done where that ends."""
-    root = labelled
-    [file] = root.glob("data/*/*.parquet")
-    table = pq.read_table(file)
-    stop = z2r.load(root).episodes.to_index[1]
-    pq.write_table(table.slice(0, stop - 5), file)
-    pq.write_table(table.slice(stop - 5), file.with_name("file-001.parquet"))
+def test_an_episode_in_several_files_is_one(tmp_path):
+    """Its last frame is that of its last part: there the success is true again."""
+    success = each(lambda n, _: latched(n, True) | (np.arange(n) == 3))
+    root = write_labels(tmp_path / "d", {"success": success})
+    first, second = sorted(root.glob("data/*/*.parquet"))
+    whole = pa.concat_tables([pq.read_table(first), pq.read_table(second)])
+    cut = sum(LENGTHS[:5]) - 5
+    pq.write_table(whole.slice(0, cut), first)
+    pq.write_table(whole.slice(cut), second)
     findings = {finding.check for finding in z2r.audit(root).findings}
-    assert not findings & {"done", "success-reward", "success-lost", "stored-success"}
+    assert "file-rows" in findings
+    assert "success-lost" not in findings

@@ -115,7 +115,7 @@ def _what_is_stored(stored: StoredSuccess, why: str) -> dict[str, str]:
         "tally": stored.tally,
         "claim": "called a success by the dataset",
         "source": "stored",
-        "note": f"{stored.says}. Whether they reached their goal cannot be told from the rest: {why}",
+        "note": f"It says {stored.says}. Whether they reached their goal cannot be told from the rest: {why}",
         "stored": "",
         "fine": "success",
         "other": "no success",
