@@ -11,6 +11,7 @@ LeRobot itself writes a list, and a table of name to place for its gamepad and i
 import math
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
+from itertools import islice
 from typing import Any
 
 _MAX_DEPTH = 4  # of groups within groups: nobody has more, and a file may nest without end
@@ -36,19 +37,31 @@ def names_of(names: Any, shape: Sequence[int]) -> tuple[str, ...]:
     """
     if len(shape) > 1 and isinstance(names, dict) and len(names) > 1:
         return ()
-    flat = in_a_row(names)
-    return flat if len(flat) == math.prod(shape) and all(isinstance(name, str) for name in flat) else ()
+    size = math.prod(shape)
+    if _has_more_than(names, size):
+        return ()
+    flat = in_a_row(names, size + 1)
+    return flat if len(flat) == size and all(isinstance(name, str) for name in flat) else ()
 
 
-def in_a_row(names: Any) -> tuple[Any, ...]:
+def in_a_row(names: Any, most: int | None = None) -> tuple[Any, ...]:
     """Return the names one after another, those that several groups have behind their group; what is no text stays.
 
+    Parameters
+    ----------
+    names : object
+        What `meta/info.json` gives.
+    most : int, optional
+        How many to return; all unless given.
+
+    Examples
+    --------
     >>> in_a_row([["x"], [7]])
     ('x', 7)
     """
     if names is None:
         return ()
-    leaves = list(_leaves(names, "", _MAX_DEPTH))
+    leaves = list(islice(_leaves(names, "", _MAX_DEPTH), most))
     groups = defaultdict(set)
     for group, name in leaves:
         groups[str(name)].add(group)
@@ -62,6 +75,12 @@ def repeated(names: Sequence[Any]) -> tuple[str, ...]:
     ('x',)
     """
     return tuple(name for name, times in Counter(map(str, names)).items() if times > 1)
+
+
+def _has_more_than(names: Any, size: int) -> bool:
+    """Tell quickly of most that are too many: a file may name a million, and the names are asked for often."""
+    groups = names.values() if isinstance(names, dict) else names if isinstance(names, list | tuple) else ()
+    return len(groups) > size or sum(len(each) for each in groups if isinstance(each, dict | list | tuple)) > size
 
 
 def _leaves(names: Any, group: str, depth: int) -> Iterator[tuple[str, Any]]:
