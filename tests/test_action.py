@@ -7,6 +7,7 @@ table of all robots is printed at the end (`pytest -s tests/test_action.py`).
 from collections import Counter
 from functools import cache
 
+import msgspec
 import numpy as np
 import pytest
 from action_robots import DEGREES, KNOWN_FACTORS, OPEN, PLAIN, ROBOTS, Rig, judge, numbered
@@ -59,6 +60,12 @@ def test_every_dimension_gets_an_answer_with_a_reason(name):
         assert answer.evidence.strip()
         if answer.kind != "unknown":
             assert answer.column in sample.columns
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_every_answer_is_made_of_plain_values_so_that_it_can_be_written_to_metrics(name):
+    for answer in answers(name):
+        assert msgspec.to_builtins(answer)["name"] == answer.name  # refuses a numpy scalar
 
 
 def frames_copied(sample, i, answer):

@@ -13,7 +13,7 @@ is not.
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import pi
+from math import copysign, pi
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -487,7 +487,7 @@ def _mostly(asked: Floats, seen: Floats, fit: Fit) -> tuple[float, float]:
     between units is near, and holds in more frames than the one of least squares, it is the one.
     """
     close = _CLOSE * float(np.ptp(asked))
-    near = [np.sign(fit.factor) * known for known in _FACTORS if 1 / _BESIDE < abs(fit.factor) / known < _BESIDE]
+    near = [copysign(known, fit.factor) for known in _FACTORS if 1 / _BESIDE < abs(fit.factor) / known < _BESIDE]
     tried = [(factor, offset) for factor in near for offset in (float(np.median(asked - factor * seen)), 0.0)]
 
     def n_close(candidate: tuple[float, float]) -> int:
