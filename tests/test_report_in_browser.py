@@ -329,6 +329,13 @@ def test_another_robot_gets_a_trace_for_every_dimension(open_report, standin_cop
     np.testing.assert_allclose(shown, values[dataset.episodes.from_index[2] + 1], rtol=1e-4)
 
 
+def test_an_episode_without_a_goal_is_not_drawn_as_if_it_had_reached_one(open_report, standin_copy, other_robot):
+    def fill(page: Page, what: str) -> str:
+        return page.locator(f".ribbon .{what}").first.evaluate("bar => getComputedStyle(bar).fill")
+
+    assert fill(open_report(other_robot), "episode") != fill(open_report(z2r.STANDIN), "reached")
+
+
 def test_many_dimensions_are_drawn_some_at_a_time(open_report, standin_copy):
     path = next(standin_copy.glob("data/*/*.parquet"))
     table = pq.read_table(path)
