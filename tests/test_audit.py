@@ -186,6 +186,23 @@ def test_nothing_is_said_of_what_lerobot_records(recorded, tmp_path):
     assert (audit.n_episodes, audit.n_frames) == (12, 202)
 
 
+@pytest.mark.parametrize("n_frames", [373, 2000])
+def test_nothing_is_said_of_columns_that_stand_still_as_lerobot_sums_them_up(n_frames, tmp_path):
+    from lerobot.datasets.lerobot_dataset import LeRobotDataset
+
+    rng = np.random.default_rng(0)
+    still = (rng.uniform(-1, 1, 16) * 10 ** rng.uniform(-2, 2.5, 16)).astype(np.float32)
+    features = {STATE: {"dtype": "float32", "shape": still.shape, "names": None}}
+    where = {"repo_id": "test/test", "root": tmp_path / "dataset", "video_backend": "pyav"}
+    dataset = LeRobotDataset.create(**where, fps=30, features=features, use_videos=False)
+    for _ in range(2):
+        for _ in range(n_frames):
+            dataset.add_frame({STATE: still, "task": "test"})
+        dataset.save_episode()
+    dataset.finalize()
+    silent(tmp_path / "dataset")
+
+
 @pytest.mark.parametrize(("noise", "max_steps"), [(0.3, 300), (0.3, 5)])
 def test_nothing_is_said_of_noisy_or_very_short_demonstrations(noise, max_steps, tmp_path):
     z2r.record(tmp_path / "dataset", range(100, 106), noise=noise, max_steps=max_steps)

@@ -25,6 +25,7 @@ _MIN_EPISODES = 5  # from fewer nothing can be said about what is usual
 _LONG = 20  # frames: a sensor may well stand still for less
 _NEARLY_ALL = 0.9  # of the episodes
 _ROUGH = 5e-6  # of a variance, as a share of the largest square
+_FLOAT32_ROUNDING = 2.0**-24  # of a number, at most
 
 
 FINITE = Check("finite", "there is no NaN, no infinity, and no gap", "error")
@@ -128,7 +129,8 @@ def stats_of_the_dataset(runs: Runs) -> Iterator[Answer]:
             yield Fault(STATS_PATH, name, "no statistics", "some for each numeric feature")
             continue
         mend = "A policy scales its input with them: recompute the statistics"
-        for what, said, computed in _differences(stored[name], _pooled(stats), runs.claims.schema.features[name]):
+        feature, longest = runs.claims.schema.features[name], float(stats.n.max())
+        for what, said, computed in _differences(stored[name], _pooled(stats), longest, feature):
             yield Fault(STATS_PATH, f"{name}.{what}", said, f"{computed}, recomputed", mend)
 
 
@@ -203,7 +205,8 @@ def _episode_differences(
     shard: Path, name: str, feature: Feature, columns: Columns, stats: RunStats, run: Ints
 ) -> Iterator[Answer]:
     there = run >= 0
-    for kind, computed, tolerance in _statistics(_rows_of(stats, run[there])):
+    of_each = _rows_of(stats, run[there])
+    for kind, computed, tolerance in _statistics(of_each, of_each.n[:, None]):
         if kind not in columns:
             continue
         stored = columns[kind][there].astype(np.float64)
@@ -235,24 +238,30 @@ def _pooled(stats: RunStats) -> RunStats:
     )
 
 
-def _statistics(stats: RunStats) -> Iterator[tuple[str, Floats, Floats]]:
-    """Yield each statistic as LeRobot names it, with how far a stored one may be off."""
-    std = np.sqrt(stats.squares / stats.n[:, None])
+def _statistics(stats: RunStats, longest: Floats | float) -> Iterator[tuple[str, Floats, Floats]]:
+    """Yield each statistic as LeRobot names it, with how far a stored one may be off.
+
+    LeRobot 0.6.1 sums the frames of one episode, `longest` at most, up in float32 (`lerobot/datasets/compute_stats.py`:
+    `RunningQuantileStats`), and takes the variance as a difference of two such means. Each addition is rounded, and
+    where a column stands still, always the same way.
+    """
+    n = stats.n[:, None]
+    std = np.sqrt(stats.squares / n)
     size = np.maximum(np.abs(stats.low), np.abs(stats.high))
-    close = 1e-5 * size + 1e-6
-    yield "count", stats.n[:, None], np.zeros_like(stats.n[:, None])
+    close, rounded = 1e-5 * size + 1e-6, longest * _FLOAT32_ROUNDING
+    yield "count", n, np.zeros_like(n)
     yield "min", stats.low, close
     yield "max", stats.high, close
-    yield "mean", stats.mean, close + 1e-3 * std
-    # LeRobot takes the variance as a difference of two means of squares, in float32: near 1, a small one is rough,
-    # and more so the longer an episode is.
-    rough = _ROUGH * np.maximum(1, stats.n[:, None] / 5_000) * np.square(size)
+    yield "mean", stats.mean, close + rounded * size + 1e-3 * std
+    rough = np.maximum(_ROUGH * np.maximum(1, n / 5_000), rounded) * np.square(size)
     yield "std", std, close + 1e-3 * std + np.sqrt(np.square(std) + rough) - std
 
 
-def _differences(stored: Mapping[str, Any], stats: RunStats, feature: Feature) -> Iterator[tuple[str, str, str]]:
+def _differences(
+    stored: Mapping[str, Any], stats: RunStats, longest: float, feature: Feature
+) -> Iterator[tuple[str, str, str]]:
     """Yield the statistics that differ: which one, what is stored, what is right."""
-    for kind, computed, tolerance in _statistics(stats):
+    for kind, computed, tolerance in _statistics(stats, longest):
         if kind not in stored:
             yield kind, "nothing", f"{computed.size} numbers"
             continue

@@ -216,8 +216,8 @@ def infer_action(sample: ActionSample, units: Mapping[str, str] | None = None) -
     if len(sample.starts(max(_SPANS.values()) // 3)) < _MIN_FRAMES:
         why = f"cannot be decided: {len(sample.stretch):,} frames are too few"
         return tuple(DrivenColumn(name, "unknown", why) for name in sample.names)
-    moves = np.ptp(sample.state, axis=0) > 0
-    table = list(_fits(sample, np.flatnonzero(moves))) if moves.any() else []
+    sample = _with_moving_columns(sample)
+    table = list(_fits(sample))
     answers = (_answer(sample, dim, table) for dim in range(len(sample.names)))
     return tuple(_in_words(answer, (units or {}).get(answer.name, "")) for answer in answers)
 
@@ -237,6 +237,12 @@ def _with_numbers_only(sample: ActionSample) -> ActionSample:
     return ActionSample(sample.action[whole], state, stretch[whole], sample.names, columns, sample.fps)
 
 
+def _with_moving_columns(sample: ActionSample) -> ActionSample:
+    moves = np.ptp(sample.state, axis=0) > 0
+    columns = tuple(name for name, keep in zip(sample.columns, moves, strict=True) if keep)
+    return sample if moves.all() else replace(sample, state=sample.state[:, moves], columns=columns)
+
+
 def explained_by_frames(sample: ActionSample, dim: int) -> dict[str, Floats]:
     """Say how much of one dimension of the action is explained, by the column that explains it best, frames ahead.
 
@@ -252,9 +258,7 @@ def explained_by_frames(sample: ActionSample, dim: int) -> dict[str, Floats]:
     dict of str to ndarray, float64[n]
         As a target, and as a change in a frame: the share explained 0, 1, 2 ... frames ahead, in [0, 1].
     """
-    moves = np.flatnonzero(np.ptp(sample.state, axis=0) > 0)
-    table = list(_fits(sample, moves)) if len(moves) else []
-    found = {}
+    table, found = list(_fits(_with_moving_columns(sample))), {}
     for way, what in (("target", "as a target"), ("change", "as a change")):
         shares = [each.explained[dim] for each in table if each.way == way]  # of each column, so many frames ahead
         found[what] = np.max(shares, axis=1) if shares else np.zeros(1)
@@ -266,18 +270,17 @@ class _Fits(NamedTuple):
 
     way: str
     ahead: int
-    columns: Ints
     explained: Floats
     factor: Floats
     offset: Floats
 
 
-def _fits(sample: ActionSample, columns: Ints) -> Iterator[_Fits]:
-    """Hold all dimensions of the action against all columns that move, in every way and so many frames ahead."""
-    for way, ahead in _hypotheses():
-        asked, seen = _pairs(sample, way, ahead, columns)
+def _fits(sample: ActionSample) -> Iterator[_Fits]:
+    """Hold all dimensions of the action against all columns, which move, in every way and so many frames ahead."""
+    for way, ahead in _hypotheses() if sample.columns else ():
+        asked, seen = _pairs(sample, way, ahead)
         if len(asked) >= _MIN_FRAMES // 2:
-            yield _Fits(way, ahead, columns, *_regress(asked, seen))
+            yield _Fits(way, ahead, *_regress(asked, seen))
 
 
 def _hypotheses() -> Iterator[tuple[str, int]]:
@@ -286,28 +289,36 @@ def _hypotheses() -> Iterator[tuple[str, int]]:
     yield from (("spread", ahead) for ahead in range(2, _WINDOW + 1))
 
 
-def _pairs(sample: ActionSample, way: str, ahead: int, columns: Ints | slice) -> tuple[Floats, Floats]:
+def _pairs(
+    sample: ActionSample, way: str, ahead: int, dims: slice = slice(None), columns: slice = slice(None)
+) -> tuple[Floats, Floats]:
     """Return the action of some frames, and what one explanation holds against it: (n, n_dims) and (n, n_columns)."""
-    state = sample.state[:, columns]
+    action, state, turns = sample.action[:, dims], sample.state[:, columns], sample.turns[columns]
     if way == "target":
         now = sample.starts(ahead)
-        return sample.action[now], state[now + ahead]
+        return action[now], state[now + ahead]
     if way == "spread":
         now = sample.starts(ahead)
-        return sample.action[now], _change(sample, columns, state[now + ahead] - state[now]) / ahead
-    n = _SPANS[way]
+        return action[now], _change(state[now + ahead] - state[now], turns) / ahead
+    n, sums = _SPANS[way], sample.sums[:, dims]
     first = sample.starts(ahead + n - 1 if ahead else n)  # the change ends `ahead` frames ahead, or begins a frame ago
     if not ahead:
         first = first[first > 0]
         first = first[sample.stretch[first - 1] == sample.stretch[first]]
-    asked = (sample.sums[first + n] - sample.sums[first]) / n if n > 1 else sample.action[first]
-    return asked, _change(sample, columns, state[first + ahead - 1 + n] - state[first + ahead - 1]) / n
+    asked = (sums[first + n] - sums[first]) / n if n > 1 else action[first]
+    return asked, _change(state[first + ahead - 1 + n] - state[first + ahead - 1], turns) / n
 
 
-def _change(sample: ActionSample, columns: Ints | slice, change: Floats) -> Floats:
+def _pair(sample: ActionSample, dim: int, fit: Fit) -> tuple[Floats, Floats]:
+    """Return one dimension of the action, and what one explanation holds against it, both (n,)."""
+    dims, columns = slice(dim, dim + 1), slice(fit.column, fit.column + 1)
+    asked, seen = _pairs(sample, fit.way, fit.ahead, dims, columns)
+    return asked[:, 0], seen[:, 0]
+
+
+def _change(change: Floats, turns: Floats) -> Floats:
     """Take an angle that goes on at the other end of its range for what it is: a small change."""
-    turn = sample.turns[columns]
-    return change - turn * np.round(change / np.where(turn > 0, turn, 1)) if turn.any() else change
+    return change - turns * np.round(change / np.where(turns > 0, turns, 1)) if turns.any() else change
 
 
 def _regress(asked: Floats, seen: Floats) -> tuple[Floats, Floats, Floats]:
@@ -345,19 +356,19 @@ def _answer(sample: ActionSample, dim: int, table: Sequence[_Fits]) -> DrivenCol
     if not fits:
         return DrivenColumn(name, "unknown", "cannot be decided: no column of the state moves")
     best = _best(fits)
-    rival = _rival(best, fits)
-    if why := _why_undecided(sample, dim, best, fits, rival):
+    rival, pair = _rival(best, fits), _pair(sample, dim, best)
+    if why := _why_undecided(sample, pair, best, rival):
         return DrivenColumn(
             name, "unknown", f"cannot be decided: {why}", explained=best.explained, next_best=_said(sample, rival)
         )
-    return _decided(sample, dim, best, fits, rival)
+    return _decided(sample, dim, pair, best, fits, rival)
 
 
 def _best_of(fits: _Fits, dim: int) -> Iterator[Fit]:
     """Yield the fits of one dimension; of many columns, the two that explain it best."""
     for place in np.argsort(-fits.explained[dim])[:2].tolist():
         numbers = (float(each[dim, place]) for each in (fits.explained, fits.factor, fits.offset))
-        yield Fit(fits.way, int(fits.columns[place]), fits.ahead, *numbers)
+        yield Fit(fits.way, place, fits.ahead, *numbers)
 
 
 def _best(fits: Sequence[Fit]) -> Fit:
@@ -377,29 +388,27 @@ def _rival(best: Fit, fits: Sequence[Fit]) -> Fit | None:
     return max(others, key=lambda fit: fit.explained, default=None)
 
 
-def _why_undecided(sample: ActionSample, dim: int, best: Fit, fits: Sequence[Fit], rival: Fit | None) -> str:
+def _why_undecided(sample: ActionSample, pair: tuple[Floats, Floats], best: Fit, rival: Fit | None) -> str:
     """Say why the best explanation will not do; empty where it will."""
     if best.explained < _HOLDS:
         return f"nothing that was observed explains more than {best.explained:.0%} of it"
-    halves = _explained_in_halves(sample, dim, best)
+    halves = _explained_in_halves(*pair)
     if halves.min() < _HOLDS:
         return f"{_said(sample, best)}, but only {halves.min():.0%} in half of the frames"
-    if _by_chance(sample, dim, best) > _CHANCE:
+    if _by_chance(*pair, n_tried=len(sample.columns) * _WINDOW) > _CHANCE:
         return f"{_said(sample, best)}, but there is too little motion to tell that from chance"
-    if rival and rival.unexplained < max(_CLEARLY * best.unexplained, _FLOOR) and not _is_copied(sample, dim, best):
+    if rival and rival.unexplained < max(_CLEARLY * best.unexplained, _FLOOR) and not _is_copied(*pair, best):
         return f"{_said(sample, best)}, and {_said(sample, rival)}"
     if _centre(best) > MAX_AHEAD:
         return f"{_said(sample, best)}, and more so the farther ahead: what it does lies beyond the {MAX_AHEAD} frames"
     return ""
 
 
-def _explained_in_halves(sample: ActionSample, dim: int, fit: Fit) -> Floats:
+def _explained_in_halves(asked: Floats, seen: Floats) -> Floats:
     """Say how much of the action each half of the sample explains, with what the other half says, float64[2]."""
-    asked, seen = _pairs(sample, fit.way, fit.ahead, slice(fit.column, fit.column + 1))
-    a, s = asked[:, dim], seen[:, 0]
-    moved = np.cumsum(np.square(a - a.mean()))
+    moved = np.cumsum(np.square(asked - asked.mean()))
     first = moved <= moved[-1] / 2  # halves of its motion, and not of its time
-    return np.array([_explained_by(a, s, first), _explained_by(a, s, ~first)])
+    return np.array([_explained_by(asked, seen, first), _explained_by(asked, seen, ~first)])
 
 
 def _explained_by(asked: Floats, seen: Floats, known: Bools) -> float:
@@ -411,15 +420,13 @@ def _explained_by(asked: Floats, seen: Floats, known: Bools) -> float:
     return float(1 - np.square(left).mean() / spread) if spread else 0.0
 
 
-def _by_chance(sample: ActionSample, dim: int, fit: Fit) -> float:
-    """Say how likely something among all explanations would explain as much if nothing were related, at most 1.
+def _by_chance(asked: Floats, seen: Floats, n_tried: int) -> float:
+    """Say how likely one of all explanations would explain as much if nothing were related, at most 1.
 
     Smooth motion tells less than its number of frames, and its changes may tell more than its course: both are asked.
     """
-    asked, seen = _pairs(sample, fit.way, fit.ahead, slice(fit.column, fit.column + 1))
-    n_tried = sample.state.shape[1] * _WINDOW
-    a, s = asked[:, dim], seen[:, 0]
-    return min(1.0, *(n_tried * _chance(a[n:] - a[:-n] if n else a, s[n:] - s[:-n] if n else s) for n in (0, 1, 5)))
+    changes = (_chance(asked[n:] - asked[:-n], seen[n:] - seen[:-n]) for n in (1, 5))
+    return min(1.0, *(n_tried * chance for chance in (_chance(asked, seen), *changes)))
 
 
 def _chance(one: Floats, other: Floats) -> float:
@@ -442,22 +449,21 @@ def _likeness(values: Floats) -> float:
     return float(np.clip(values[1:] @ values[:-1] / spread, 0.0, 1 - 1e-9)) if spread else 0.0
 
 
-def _is_copied(sample: ActionSample, dim: int, fit: Fit) -> bool:
-    if not _is_target(fit):
-        return False
-    asked, seen = _pairs(sample, fit.way, fit.ahead, slice(fit.column, fit.column + 1))
-    return bool(np.array_equal(asked[:, dim], seen[:, 0]))
+def _is_copied(asked: Floats, seen: Floats, fit: Fit) -> bool:
+    return _is_target(fit) and bool(np.array_equal(asked, seen))
 
 
-def _decided(sample: ActionSample, dim: int, best: Fit, fits: Sequence[Fit], rival: Fit | None) -> DrivenColumn:
-    asked, seen = _pairs(sample, best.way, best.ahead, slice(best.column, best.column + 1))
-    factor, offset = _mostly(asked[:, dim], seen[:, 0], best)
+def _decided(
+    sample: ActionSample, dim: int, pair: tuple[Floats, Floats], best: Fit, fits: Sequence[Fit], rival: Fit | None
+) -> DrivenColumn:
+    asked, seen = pair
+    factor, offset = _mostly(asked, seen, best)
     best = best._replace(factor=factor, offset=offset)
     kind, factor, unit = _kind(best, sample.fps)
     alike = [fit for fit in fits if fit.way == best.way and fit.column == best.column]
     limit = _ALIKE * best.unexplained + 1e-9
     ahead = tuple(sorted({_centre(fit) for fit in alike if fit.unexplained <= limit} | {_centre(best)}))
-    off = np.abs(asked[:, dim] - best.factor * seen[:, 0] - best.offset)
+    off = np.abs(asked - best.factor * seen - best.offset)
     return DrivenColumn(
         name=sample.names[dim],
         kind=kind,
@@ -469,9 +475,9 @@ def _decided(sample: ActionSample, dim: int, best: Fit, fits: Sequence[Fit], riv
         unit=unit,
         explained=best.explained,
         within=float(np.quantile(off, 0.99)),
-        copied=_is_copied(sample, dim, best),
+        copied=_is_copied(asked, seen, best),
         next_best=_said(sample, rival),
-        offset=best.offset if abs(best.offset) > _OFFSET * float(np.ptp(asked[:, dim])) else 0.0,
+        offset=best.offset if abs(best.offset) > _OFFSET * float(np.ptp(asked)) else 0.0,
     )
 
 
