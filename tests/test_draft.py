@@ -1,5 +1,6 @@
 """A draft of a reading: it reads as it stands, says where each line comes from, and needs a goal and nothing else."""
 
+import shutil
 from pathlib import Path
 
 import msgspec
@@ -87,6 +88,12 @@ def test_the_command_writes_a_draft_and_never_over_what_somebody_filled_in(tmp_p
     again = run("reading", "--out", "mine.toml", cwd=tmp_path)
     assert again.returncode == 2
     assert "exists" in again.stderr
+
+
+def test_a_draft_of_a_dataset_in_a_cache_is_called_as_on_the_hub(tmp_path):
+    snapshot = shutil.copytree(z2r.STANDIN, tmp_path / "datasets--someone--pusht/snapshots/0123abcd")
+    draft = run("reading", snapshot, cwd=tmp_path).stdout
+    assert msgspec.toml.decode(draft)["name"] == "someone/pusht"
 
 
 def test_readings_that_ship_are_readings_and_are_found_by_their_names():

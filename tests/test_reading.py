@@ -173,7 +173,7 @@ CASES = {
     ),
     "broken": ("feature = ", ["no TOML"]),
     "no text": ("\udcff", ["no TOML"]),
-    "too large": ("#" * 2_000_000, ["more than a megabyte"]),
+    "too large": ("#" * 2_000_000, ["at most 1048576"]),
 }
 
 

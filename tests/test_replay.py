@@ -92,6 +92,12 @@ def test_the_traces_are_the_errors_the_actions_and_the_episodes(standin, rows):
     np.testing.assert_array_equal(episode, standin.read("episode_index")[:, 0])
 
 
+def test_an_episode_keeps_its_number_where_others_are_left_out(standin, tmp_path):
+    left = replace(standin, episodes=standin.episodes.only(np.isin(np.arange(6), [1, 4])))
+    episode = values(replay(tmp_path, left), "eval/episode_index", "Scalars:scalars")[:, 0]
+    np.testing.assert_array_equal(episode, np.repeat([1, 4], left.episodes.lengths))
+
+
 def test_the_tolerances_are_drawn_from_end_to_end(standin, rows):
     for error, tolerance in (("pos_err", task.POS_TOL), ("ang_err", task.ANG_TOL)):
         drawn = rows[f"/eval/{error}/tolerance", "Scalars:scalars"]

@@ -32,6 +32,8 @@ from z2r.show.report import Panel, Report
 if TYPE_CHECKING:  # rerun need not be installed to read
     from z2r.show.replay import Replay
 
+MAX_REPLAY_FRAMES = 20_000  # half an hour at 10 Hz: more than anybody scrubs through
+
 SCENES: dict[str, Scene] = {SCENE.name: SCENE}
 
 CHECKS: dict[str, str] = {check.name: check.asks for check in all_checks(SCENE)}
@@ -48,13 +50,19 @@ def scene_of(reading: Reading | None) -> Scene | None:
     """
     if reading is None or reading.scene is None:
         return None
+    if wrong := _wrong_scene(reading):
+        raise ValueError("found {}, expected {}".format(*wrong))
+    return SCENES[reading.scene]
+
+
+def _wrong_scene(reading: Reading) -> tuple[str, str] | None:
+    """Return what was found and what was expected of the scene that a reading names; None where nothing is wrong."""
+    if reading.scene is None:
+        return None
     if reading.scene not in SCENES:
-        raise ValueError(f"found scene {reading.scene!r}, expected one of {', '.join(SCENES)}")
-    scene = SCENES[reading.scene]
-    lacking = [name for name in scene.bodies if name not in reading.poses]
-    if lacking:
-        raise ValueError(f"found no pose {', '.join(lacking)}, expected it: the scene {scene.name} has that body")
-    return scene
+        return f"scene {reading.scene!r}", f"one of {', '.join(SCENES)}"
+    lacking = [name for name in SCENES[reading.scene].bodies if name not in reading.poses]
+    return (f"no pose {', '.join(lacking)}", f"it: the scene {reading.scene} has that body") if lacking else None
 
 
 _ROBOTS = ("lerobot_pusht", "so101", "koch", "aloha")  # the first that fits is taken
@@ -83,11 +91,8 @@ def find_reading(name: str | os.PathLike[str]) -> Reading:
         expected = f"a reading file, or one of those that ship: {', '.join(shipped)}"
         raise DatasetError(Fault(path, "", "no such file", expected, f"Did you mean {near[0]}?" if near else ""))
     reading = read_reading(path)
-    try:
-        scene_of(reading)
-    except ValueError as error:
-        found, _, expected = str(error).removeprefix("found ").partition(", expected ")
-        raise DatasetError(Fault(path, "scene", found, expected)) from None
+    if wrong := _wrong_scene(reading):
+        raise DatasetError(Fault(path, "scene", *wrong))
     return reading
 
 
@@ -217,7 +222,7 @@ def write_replay(
     dataset: Dataset | str | os.PathLike[str],
     path: str | os.PathLike[str],
     reading: Reading | None = None,
-    max_frames: int = 20_000,
+    max_frames: int = MAX_REPLAY_FRAMES,
 ) -> "Replay":
     """Write the first episodes of a dataset into a rerun recording (.rrd). Needs the extra ``view``.
 

@@ -1,4 +1,4 @@
-"""The command line: `z2r inspect`, `z2r audit`, `z2r report`, `z2r ls` and `z2r record`.
+"""The command line: `z2r inspect`, `z2r audit`, `z2r report`, `z2r reading`, `z2r ls` and `z2r record`.
 
 What is slow to import is imported in the command that uses it, so that `--help` is there at once.
 """
@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, NamedTuple, NoReturn
 import rich_click as click
 
 from z2r.data import SHIPPED, find_dataset
-from z2r.errors import DatasetError, Fault, MissingExtraError
+from z2r.errors import DatasetError, Fault, MissingExtraError, count
 from z2r.format.store import folder_name
 from z2r.pusht.task import DEMO_NOISE, MAX_STEPS
 from z2r.reading.breaks import BREAK_MODES, BreakMode
@@ -32,7 +32,6 @@ if TYPE_CHECKING:
 
 _SMOKE_STEPS = 40
 _SHIPPED_EPISODES = 6
-_REPLAY_FRAMES = 20_000  # half an hour at 10 Hz: more than anybody scrubs through
 _NO_REPLAY = "no replay, which needs rerun. In a clone of the course: pip install '.[view]'"
 _MODES_HELP = "What each MODE believes:\n\n" + "\n\n".join(
     f"- `{mode.name}`: {mode.assumption}" for mode in BREAK_MODES.values()
@@ -176,7 +175,7 @@ def inspect(
     A dataset seldom stores success. It is reconstructed from the last stored frame of each episode, by a reading: which
     column means what, and what counts as reached.
 
-    - `z2r inspect my_dataset --reading my.toml` reads yours; `z2r/pusht/pusht.toml` shows what such a file looks like
+    - `z2r inspect my_dataset --reading my.toml` reads yours; `z2r reading my_dataset` drafts such a file
     - `z2r inspect --break yaw-swap` reads it wrong, to show what that looks like
     - `rerun z2r-out/inspect.rrd` replays what was read
     """
@@ -214,14 +213,14 @@ def _inspect(
     with_replay: bool,
 ) -> "Inspection":
     """Read a dataset; say before it how long that takes, and what is read wrong."""
-    from z2r.api import choose_reading, inspect_dataset
+    from z2r.api import MAX_REPLAY_FRAMES, choose_reading, inspect_dataset
     from z2r.show.terminal import progress
 
     reading = _fitting(reading, dataset.schema) or choose_reading(dataset.schema)
     _announce(screen, "inspect" if with_replay else "inspect --no-rerun", dataset)
     _say_what_is_wrong(screen, mode, reading)
     with progress("reading", "frames", screen.quiet) as move:
-        return inspect_dataset(dataset, mode, reading, move, keep=_REPLAY_FRAMES if with_replay else 0)
+        return inspect_dataset(dataset, mode, reading, move, keep=MAX_REPLAY_FRAMES if with_replay else 0)
 
 
 def _say_what_was_found(
@@ -298,7 +297,7 @@ def _way_out(root: Path, *, salvaged: bool) -> Iterator[None]:
         whole = _number_of_whole_episodes(root)
         if not whole:
             raise
-        advice = f"--salvage reads the {whole:,} episode{'s' * (whole > 1)} of which everything is there"
+        advice = f"--salvage reads the {count(whole, 'episode')} of which everything is there"
         mend = f"{error.fault.mend}. {advice}" if error.fault.mend else advice
         raise DatasetError(error.fault._replace(mend=mend)) from None
 
@@ -463,7 +462,7 @@ def reading(dataset: Path | None, *, out: Path | None) -> None:
     data = load(find_dataset(dataset))
     with progress("reading", "frames", quiet=False) as move:
         inspection = inspect_dataset(data, progress=move)
-    draft = draft_reading(inspection, data.root.resolve().name)
+    draft = draft_reading(inspection, folder_name(data.root))
     if out is None:
         click.echo(draft, nl=False)
         return
@@ -549,7 +548,7 @@ def _record(out: Path, wanted: _Wanted, noise: float, quiet: bool) -> None:
     from z2r.show.terminal import console, expectation, progress
 
     screen = console(quiet)
-    screen.print(f"recording {wanted.episodes:,} episode{'s' * (wanted.episodes > 1)} into {out}", soft_wrap=True)
+    screen.print(f"recording {count(wanted.episodes, 'episode')} into {out}", soft_wrap=True)
     screen.print(expectation("record", wanted.episodes), soft_wrap=True)
     seeds = range(wanted.seed, wanted.seed + wanted.episodes)
     with progress("recording", "episodes", quiet) as move:

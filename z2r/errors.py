@@ -94,6 +94,15 @@ def some(names: Sequence[object]) -> str:
     return ", ".join(map(str, names[:_SOME])) + (" ..." if len(names) > _SOME else "")
 
 
+def count(number: int, noun: str) -> str:
+    """Say how many there are of something.
+
+    >>> count(1, "episode"), count(1000, "frame")
+    ('1 episode', '1,000 frames')
+    """
+    return f"{number:,} {noun}{'' if number == 1 else 's'}"
+
+
 def printable(text: str) -> str:
     r"""Return text that a dataset gave, with what could steer a terminal spelled out.
 

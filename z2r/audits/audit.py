@@ -28,7 +28,7 @@ from z2r.format.dataset import in_order
 from z2r.format.schema import MAX_SIGNAL_SIZE, Schema
 from z2r.format.tables import read_data_file
 from z2r.reading.breaks import BreakMode
-from z2r.reading.decode import decode, features_of
+from z2r.reading.decode import can_decode, decode
 from z2r.reading.reading import Reading
 from z2r.reading.scene import Scene, SceneSums
 from z2r.reading.stored import label_in
@@ -121,28 +121,11 @@ def audit(
     progress: Progress = no_progress,
     executor: Executor | None = None,
 ) -> Audit:
-    """Look for everything that can be wrong with a dataset, in one pass over its files.
+    """Look for everything that can be wrong with the dataset in a folder: `z2r.audit`, with all of it handed down.
 
-    Parameters
-    ----------
-    root : str or path
-        The folder of a LeRobot v3 dataset. It is not written to, and nothing outside of it is read but what the scene
-        reads beside it.
-    mode : BreakMode, optional
-        Audit what somebody believes who gets this assumption wrong. The dataset must be whole.
-    reading : Reading, optional
-        What the columns mean.
-    scene : Scene, optional
-        What the task of this reading knows beyond its columns. Where the schema lacks these, it is left out.
-    progress : callable, optional
-        Called with the number of data files done and the number of all, after each.
-    executor : Executor, optional
-        Who reads the data files, such as a ``ProcessPoolExecutor``; at most four threads unless given.
-
-    Returns
-    -------
-    Audit
-        Memory is bounded by the data files in flight, one for each worker, and a few numbers for each episode.
+    It is not written to, and nothing outside of it is read but what the scene reads beside it. Where the schema lacks
+    the columns of the scene, that is left out. Memory is bounded by the data files in flight, one for each worker, and
+    a few numbers for each episode.
 
     Raises
     ------
@@ -213,9 +196,7 @@ def _fold_file(
 
 def _fold_scene(scene: Scene | None, frames: FileFrames, reading: Reading | None, findings: list[Finding]) -> Any:
     schema, columns = frames.schema, frames.read.frames
-    if scene is None or reading is None or reading.missing(schema):
-        return None
-    if not set(features_of(reading, schema)) <= set(columns):
+    if scene is None or reading is None or not can_decode(columns, reading, schema):
         return None
     try:
         decoded = decode(columns, reading, schema)

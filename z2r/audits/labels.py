@@ -5,7 +5,6 @@ into episodes (`Labels`), of which the checks are asked.
 """
 
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -15,8 +14,9 @@ from z2r.arrays import Array, Bools, Columns, Floats, Ints, reduce_parts
 from z2r.audits.frames import FileFrames
 from z2r.check import Answer, Check
 from z2r.errors import Fault
+from z2r.format.episodes import DATA_DIR
 from z2r.format.schema import Schema
-from z2r.reading.decode import decode, features_of
+from z2r.reading.decode import can_decode, decode
 from z2r.reading.reading import Reading
 from z2r.reading.stored import (
     DONE,
@@ -32,7 +32,6 @@ from z2r.reading.stored import (
 )
 from z2r.reading.success import frame_errors, in_tolerance
 
-_DATA = Path("data")  # what is wrong with an episode is wrong in some data file
 _MIN_EPISODES = 2  # of one alone, nothing can tell it from another
 
 
@@ -155,11 +154,11 @@ def success_and_reward_agree(labels: Labels) -> Iterator[Answer]:
     unpaid = ever & (highest == labels.levels[0])
     if unpaid.any():
         found = f"true in {labels.named(unpaid)}, where {REWARD} is never more than {labels.levels[0]:g}"
-        yield Fault(_DATA, labels.label, found, "a reward that rises where there is a success")
+        yield Fault(DATA_DIR, labels.label, found, "a reward that rises where there is a success")
     unsaid = ~ever & (highest == labels.levels[-1])
     if unsaid.any() and not why_no_success(labels.levels):
         found = f"never true in {labels.named(unsaid)}, where {REWARD} comes to {labels.levels[-1]:g}"
-        yield Fault(_DATA, labels.label, found, "a success where the reward comes")
+        yield Fault(DATA_DIR, labels.label, found, "a success where the reward comes")
 
 
 @Check("success-lost", "a stored success is one to the end of its episode", "note").of(Labels)
@@ -171,7 +170,7 @@ def success_is_not_lost(labels: Labels) -> Iterator[Answer]:
     if wrong.any():
         found = f"true and then false to the end in {labels.named(wrong)}"
         mend = "It was lost again, or is said once only: an episode counts as a success where it is true in some frame"
-        yield Fault(_DATA, labels.label, found, "true from then on", mend)
+        yield Fault(DATA_DIR, labels.label, found, "true from then on", mend)
 
 
 @Check("done", "`next.done` is true where an episode ends, and nowhere else", "warning").of(Labels)
@@ -183,13 +182,13 @@ def done_where_an_episode_ends(labels: Labels) -> Iterator[Answer]:
     goes_on = done.lost | (done.always & done.early)
     if goes_on.any():
         mend = "Do these episodes go on after their end, or does the index lack a boundary there?"
-        yield Fault(_DATA, DONE, f"true before the end of {labels.named(goes_on)}", expected, mend)
+        yield Fault(DATA_DIR, DONE, f"true before the end of {labels.named(goes_on)}", expected, mend)
     stays = done.early & ~goes_on
     if stays.any():
         found = f"true in several frames up to the end of {labels.named(stays)}"
-        yield "note", Fault(_DATA, DONE, found, expected, "Who stops at the first one leaves the others out")
+        yield "note", Fault(DATA_DIR, DONE, found, expected, "Who stops at the first one leaves the others out")
     if not done.ever.any():
-        yield "note", Fault(_DATA, DONE, "false in every frame", "true where an episode ends, unless it was cut off")
+        yield "note", Fault(DATA_DIR, DONE, "false in every frame", "true where an episode ends, unless it was cut off")
 
 
 @Check("label-constant", "a label tells one episode, or one frame, from another", "note").of(Labels)
@@ -200,9 +199,9 @@ def label_tells_something(labels: Labels) -> Iterator[Answer]:
     expected, mend = "a label that tells one from another", "Was it ever filled in?"
     if labels.success and (labels.success.always.all() or not labels.success.ever.any()):
         found = f"{'true' if labels.success.always[0] else 'false'} in every frame of every episode"
-        yield Fault(_DATA, labels.label, found, expected, mend)
+        yield Fault(DATA_DIR, labels.label, found, expected, mend)
     if labels.reward is not None and len(labels.levels) == 1:
-        yield Fault(_DATA, REWARD, f"{labels.levels[0]:g} in every frame of every episode", expected, mend)
+        yield Fault(DATA_DIR, REWARD, f"{labels.levels[0]:g} in every frame of every episode", expected, mend)
 
 
 @Check("stored-success", "the reading agrees with the success that is stored, where there is one", "warning").of(Labels)
@@ -215,11 +214,11 @@ def reading_agrees_with_what_is_stored(labels: Labels) -> Iterator[Answer]:
     if missed.any():
         found = f"a success in {labels.named(missed)}, read as not reached"
         mend = "The reading or its tolerances are wrong, or the label is"
-        yield Fault(_DATA, source, found, "every stored success read as reached", mend)
+        yield Fault(DATA_DIR, source, found, "every stored success read as reached", mend)
     if unsaid.any():
         found = f"no success in {labels.named(unsaid)}, read as reached"
         mend = "A success may ask for more than the last frame, such as to stay there: does it?"
-        yield "note", Fault(_DATA, source, found, "the same of both", mend)
+        yield "note", Fault(DATA_DIR, source, found, "the same of both", mend)
 
 
 def _flag(name: str | None, columns: Columns, starts: Ints, stops: Ints) -> Flag | None:
@@ -238,9 +237,7 @@ def _highest_and_last(reward: Array, starts: Ints, stops: Ints) -> Floats:
 
 
 def _reached(schema: Schema, reading: Reading | None, columns: Columns, rows: Ints) -> Bools | None:
-    if reading is None or not reading.goal or reading.missing(schema):
-        return None
-    if not set(features_of(reading, schema)) <= set(columns):
+    if reading is None or not reading.goal or not can_decode(columns, reading, schema):
         return None
     ends = {name: values[rows.ravel()] for name, values in columns.items()}
     return in_tolerance(frame_errors(decode(ends, reading, schema)), reading).reshape(rows.shape)

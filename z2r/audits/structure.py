@@ -10,7 +10,7 @@ import numpy as np
 from z2r.audits.claims import Claims, NoSchema, Stored
 from z2r.audits.frames import FileFrames
 from z2r.check import Answer, Check
-from z2r.errors import Fault, some
+from z2r.errors import Fault, count, some
 from z2r.format import rules
 from z2r.format.episodes import EPISODES_DIR
 from z2r.format.names import in_a_row, repeated
@@ -202,7 +202,7 @@ def _name_faults(name: str, feature: Feature) -> Iterator[Answer]:
     names, place = in_a_row(feature.names), f"features.{name}.names"
     if len(feature.shape) == 1 and not feature.dim_names:
         texts = all(isinstance(each, str) for each in names)
-        found = f"{len(names)} name{'s' * (len(names) != 1)}: {some(names)}" if texts else feature.names
+        found = f"{count(len(names), 'name')}: {some(names)}" if texts else feature.names
         fault = Fault(INFO_PATH, place, found, f"{feature.size} texts, one for each dimension")
         yield "note" if texts and len(names) == 1 else "warning", fault  # some converters write one name for all
     for each in repeated(names)[:1]:

@@ -12,6 +12,7 @@ from z2r.audits.frames import FileFrames, RunStats
 from z2r.audits.runs import Runs
 from z2r.check import Answer, Check
 from z2r.errors import Fault
+from z2r.format.episodes import DATA_DIR
 from z2r.format.rules import and_more
 from z2r.format.schema import ACTION, STATE, Feature
 from z2r.format.tables import STATS_PATH, read_shard_statistics
@@ -20,7 +21,6 @@ from z2r.reading.scene import FROZEN
 UNIT_TOLERANCE = 0.01  # of sin² + cos²: rounding to three digits stays within
 JUMP = 10  # times the step that is usual: no sensor of a moving robot was seen to do that by itself
 
-_DATA = Path("data")  # what is wrong with an episode is wrong in some data file
 _MIN_EPISODES = 5  # from fewer nothing can be said about what is usual
 _LONG = 20  # frames: a sensor may well stand still for less
 _NEARLY_ALL = 0.9  # of the episodes
@@ -80,7 +80,7 @@ def no_sensor_is_frozen(runs: Runs) -> Iterator[Answer]:
         run = int(wrong[:, column].argmax())
         found = f"{stats.low[run, column]:.4g} in all {stats.n[run]:.0f} frames{and_more(wrong[:, column])}"
         place = f"{STATE}{_dim(feature, column)} in episode {runs.number[run]}"
-        yield Fault(_DATA, place, found, "a value that moves, as in the other episodes")
+        yield Fault(DATA_DIR, place, found, "a value that moves, as in the other episodes")
 
 
 @FROZEN.of(Runs)
@@ -95,7 +95,7 @@ def no_sensor_is_dead(runs: Runs) -> Iterator[Answer]:
         seen = _span(runs.stats[STATE], state.index(name))
         if asked[0] < asked[1] and seen[0] == seen[1]:
             expected = f"one that moves: the action {name} goes from {asked[0]:.3g} to {asked[1]:.3g}"
-            yield Fault(_DATA, f"{STATE}[{name}]", f"{seen[0]:.4g} in all frames", expected)
+            yield Fault(DATA_DIR, f"{STATE}[{name}]", f"{seen[0]:.4g} in all frames", expected)
 
 
 @Check("twin", "no demonstration is there twice", "warning").of(Runs)
@@ -112,7 +112,7 @@ def twin(runs: Runs) -> Iterator[Answer]:
         run, same = twins[0]
         found = f"episode {runs.number[same]} again, frame for frame{and_more(np.ones(len(twins), dtype=bool))}"
         mend = "It counts twice in training, and may stand on both sides of a split"
-        yield Fault(_DATA, f"episode {runs.number[run]}", found, "every demonstration once", mend)
+        yield Fault(DATA_DIR, f"episode {runs.number[run]}", found, "every demonstration once", mend)
 
 
 STATS = Check("stats", "the stored statistics are those of the data", "warning")
@@ -175,7 +175,7 @@ def jumps(name: str, feature: Feature, stats: RunStats, numbers: Ints) -> Iterat
         run = int(np.where(wrong, stats.spike, 0)[:, column].argmax())
         found = f"a leap of {stats.spike[run, column]:.3g} away and back{and_more(wrong[:, column])}"
         expected = f"steps of about {usual[column]:.3g} at most, as in the other episodes"
-        yield Fault(_DATA, f"{name}{_dim(feature, column)} in episode {numbers[run]}", found, expected)
+        yield Fault(DATA_DIR, f"{name}{_dim(feature, column)} in episode {numbers[run]}", found, expected)
 
 
 def _still(stats: RunStats, long: Bools) -> Bools:

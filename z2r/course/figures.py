@@ -20,6 +20,7 @@ from z2r.api import inspect_dataset
 from z2r.arrays import Bools, Floats
 from z2r.course import drawing
 from z2r.course.field_guide import Change
+from z2r.errors import count
 from z2r.format.dataset import Dataset
 from z2r.format.episodes import EpisodeIndex
 from z2r.pusht.overlap import pusher_in_block
@@ -73,8 +74,8 @@ def episode_path(decoded: Decoded) -> Figure:
     if walls is not None:
         drawing.write_label(axes, "walls", walls[2], (-1, 1), drawing.GREY)
     moved = bodies[drawing.moved_of(bodies)].label
-    moments = f"the {moved} at {_count(len(outlines), 'moment')}, from light to strong"
-    axes.set_title(f"{_count(len(decoded), 'frame')} from above; {moments}\ndot: start, cross: end")
+    moments = f"the {moved} at {count(len(outlines), 'moment')}, from light to strong"
+    axes.set_title(f"{count(len(decoded), 'frame')} from above; {moments}\ndot: start, cross: end")
     return figure
 
 
@@ -168,7 +169,7 @@ def episode_ribbon(episodes: EpisodeIndex, reached: Bools | None = None) -> Figu
     axes.set(xlim=(episodes.from_index[0], episodes.to_index[-1]), xlabel="frame of the dataset", yticks=[])
     axes.xaxis.set_major_formatter("{x:,.0f}")
     axes.spines[["left", "bottom"]].set_visible(False)
-    counted = f"{_count(len(episodes), 'episode')}, {_count(episodes.n_frames, 'frame')}"
+    counted = f"{count(len(episodes), 'episode')}, {count(episodes.n_frames, 'frame')}"
     if reached is None:
         _draw_segments(axes, episodes, np.ones(len(episodes), np.bool_), 0.0, drawing.BLUE, "")
         axes.set_title(counted)
@@ -303,7 +304,7 @@ def final_poses(dataset: Dataset, reading: Reading) -> Figure:
     if (~reached).sum() <= _MAX_NUMBERS:
         for episode in np.flatnonzero(~reached).tolist():
             drawing.write_beside(axes, f"{episode}", outlines[episode], target.mean(axis=0), drawing.WRONG)
-    axes.set_title(f"{_count(len(reached), 'episode')}: {_tally(reached)}")
+    axes.set_title(f"{count(len(reached), 'episode')}: {_tally(reached)}")
     return figure
 
 
@@ -528,10 +529,6 @@ def _draw_trace(axes: Axes, values: Floats, fps: float, goal: Goal, reading: Rea
     for limit, value in goal.limits.items():
         said = f"{'tolerance' if limit == 'within' else limit.replace('_', ' ')} {value:g} {unit}"
         drawing.write_label(axes, said, np.array([0, value]), (1, 1), drawing.GREEN, gap=4)
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number:,} {noun}{'' if number == 1 else 's'}"
 
 
 def _tally(reached: Bools) -> str:

@@ -14,7 +14,7 @@ from typing import Any
 import msgspec
 
 from z2r.arrays import Ints
-from z2r.errors import DatasetError, short
+from z2r.errors import DatasetError, count, short
 from z2r.format.episodes import shard_paths
 from z2r.format.parquet import integers, open_parquet, read_columns, text_sets
 from z2r.format.schema import Feature, Schema
@@ -42,8 +42,8 @@ class Task(msgspec.Struct, frozen=True):
     @property
     def says(self) -> str:
         """The text, and how many episodes are about it."""
-        count = "" if self.n_episodes is None else f" ({self.n_episodes:,} episode{'s' * (self.n_episodes != 1)})"
-        return f"{short(self.task)}{count}"
+        episodes = "" if self.n_episodes is None else f" ({count(self.n_episodes, 'episode')})"
+        return f"{short(self.task)}{episodes}"
 
 
 class Camera(msgspec.Struct, frozen=True):

@@ -90,24 +90,12 @@ class Dataset:
 
 
 def load(root: str | os.PathLike[str]) -> Dataset:
-    """Read the two structural facts of a LeRobot v3 dataset; its frames are read when asked for.
-
-    Parameters
-    ----------
-    root : str or path
-        The folder that holds ``meta/`` and ``data/``.
+    """Read the two structural facts of the dataset in a folder; its frames are read when asked for.
 
     Raises
     ------
     DatasetError
         If it is no whole LeRobot v3 dataset.
-
-    Examples
-    --------
-    >>> import z2r
-    >>> dataset = z2r.load(z2r.STANDIN)
-    >>> len(dataset.episodes), dataset.schema.fps
-    (6, 10)
     """
     root = Path(root)
     schema = read_schema(root)

@@ -16,6 +16,7 @@ from z2r.errors import DatasetError, Fault
 from z2r.format.store import find, inside
 
 EPISODES_DIR = Path("meta/episodes")
+DATA_DIR = Path("data")  # what is wrong with an episode, or with all of them, is wrong in some data file
 
 
 class EpisodeTable(NamedTuple):

@@ -13,7 +13,7 @@ from msgspec.structs import replace
 from z2r.arrays import Bools, Floats, Ints, reduce_parts
 from z2r.check import Answer, Check, Part
 from z2r.errors import DatasetError, Fault
-from z2r.format.episodes import EpisodeIndex, parts_within
+from z2r.format.episodes import DATA_DIR, EpisodeIndex, parts_within
 from z2r.pusht.motion import STILL, motion_faults, motion_sums
 from z2r.pusht.overlap import LIMIT, overlap
 from z2r.pusht.task import ACTION_LIMIT, PUSHER_RADIUS, WALL
@@ -24,8 +24,6 @@ from z2r.reading.poses import Pose
 from z2r.reading.reading import Reading
 from z2r.reading.scene import FROZEN, SceneSums
 from z2r.reading.success import frame_errors, in_tolerance
-
-_DATA = Path("data")  # what is wrong with all episodes is wrong in some data file
 
 # m in one frame, beyond what the action asks for: at most 0.005 inside the episodes of the shipped data, and at least
 # 0.15 between them. Where the action does not say what moves, it takes a long leap.
@@ -190,12 +188,14 @@ def final_offset(scene: SceneSums) -> Iterator[Answer]:
     if as_one and abs(turned) > max(_tolerance(reading, "ang_err"), 2 * turn_spread):
         found = f"all turned by about {turned:.2f} rad from the target"
         mend = "The yaw of the block or of the target is read wrong (sine and cosine swapped?)"
-        yield Fault(_DATA, "last frames", found, expected, mend)
+        yield Fault(DATA_DIR, "last frames", found, expected, mend)
     middle, spread = _middle(x, y)
     as_one = spread < _middle(first_x, first_y)[1] / 2
     if as_one and np.hypot(*middle) > max(_tolerance(reading, "pos_err"), 2 * spread):
         found = f"all about {1000 * middle[0]:.0f} and {1000 * middle[1]:.0f} mm away from the target"
-        yield Fault(_DATA, "last frames", found, expected, "The position of the block or of the target is read wrong")
+        yield Fault(
+            DATA_DIR, "last frames", found, expected, "The position of the block or of the target is read wrong"
+        )
 
 
 @Check("decisive-frame", "an episode that comes into tolerance mostly stays there", "warning").of(SceneSums)
@@ -208,7 +208,7 @@ def decisive_frame(scene: SceneSums) -> Iterator[Answer]:
         which = scene.reading.decisive
         found = f"{fine} in tolerance in their {which} frame"
         mend = f"Is it the {which} frame that tells? Do ranges end where episodes end?"
-        yield Fault(_DATA, "episodes", found, f"most of the {ever} that are in tolerance at some time", mend)
+        yield Fault(DATA_DIR, "episodes", found, f"most of the {ever} that are in tolerance at some time", mend)
 
 
 @Check("verdict", "the reading agrees with the simulator's verdict, where there is one", "error").of(SceneSums)

@@ -1,14 +1,14 @@
 """Does the action move the pusher the way it says? Found by correlating the two, at once and shifted by some frames."""
 
 from collections.abc import Iterator
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from z2r.arrays import Bools, Floats, Ints
 from z2r.check import Answer
-from z2r.errors import Fault
+from z2r.errors import Fault, count
+from z2r.format.episodes import DATA_DIR
 from z2r.format.rules import and_more
 
 SHIFTS = (0, -1, 1, -2, 2)  # frames by which an action may be late or early; 0 first, so that it wins a tie
@@ -75,13 +75,12 @@ def motion_faults(episodes: Ints, parts: Floats) -> Iterator[Answer]:
     fit = _fit(motion)
     fault = _faults(fit)
     wrong = np.flatnonzero(fault[:-1])
-    data = Path("data")
     if fault[-1] and (not len(wrong) or len(wrong) > len(numbers) / 2):
-        yield Fault(data, "action against the motion of the pusher", *_say(fit, fault, -1))
+        yield Fault(DATA_DIR, "action against the motion of the pusher", *_say(fit, fault, -1))
     elif len(wrong):
         found, expected, mend = _say(fit, fault, int(wrong[0]))
         episode = f"action in episode {numbers[wrong[0]]}"
-        yield "warning", Fault(data, episode, f"{found}{and_more(fault[:-1] > 0)}", expected, mend)
+        yield "warning", Fault(DATA_DIR, episode, f"{found}{and_more(fault[:-1] > 0)}", expected, mend)
 
 
 class _Fit(NamedTuple):
@@ -147,7 +146,7 @@ def _say(fit: _Fit, fault: Ints, row: int) -> tuple[str, str, str]:
     if fault[row] == _SHIFTED:
         strength = np.abs(correlation).mean(axis=1)
         shift = SHIFTS[int(strength.argmax())]
-        late = f"{abs(shift)} frame{'s' * (abs(shift) > 1)} {'after' if shift < 0 else 'before'}"
+        late = f"{count(abs(shift), 'frame')} {'after' if shift < 0 else 'before'}"
         expected = f"it at once (correlation {strength.max():.2f} there, {strength[0]:.2f} at once)"
         mend = "Actions and observations are shifted against each other"
         return f"the best match {late} the action is stored", expected, mend

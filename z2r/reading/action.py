@@ -19,6 +19,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from z2r.arrays import Bools, Columns, Floats, Ints
+from z2r.errors import count
 from z2r.format.episodes import EpisodeIndex
 from z2r.format.schema import ACTION, Schema
 from z2r.reading.reading import column_names
@@ -537,7 +538,7 @@ def _said(sample: ActionSample, fit: Fit | None) -> str:
 
 
 def _frames(ahead: int) -> str:
-    return f"{ahead} frame{'' if ahead == 1 else 's'} ahead"
+    return f"{count(ahead, 'frame')} ahead"
 
 
 def _in_words(answer: DrivenColumn, unit: str) -> DrivenColumn:

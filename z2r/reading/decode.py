@@ -112,6 +112,11 @@ def features_of(reading: Reading, schema: Schema) -> tuple[str, ...]:
     return tuple(name for name in schema.features if name in names)
 
 
+def can_decode(frames: Columns, reading: Reading, schema: Schema) -> bool:
+    """Tell whether some frames have all columns that a reading reads, those of its action included if it has one."""
+    return not reading.missing(schema) and set(features_of(reading, schema)) <= set(frames)
+
+
 def _column(features: Mapping[str, Array], feature: str, dim: int) -> Floats:
     if feature not in features:
         raise ValueError(f"no feature {feature!r} among the frames: {', '.join(features)}")

@@ -150,6 +150,17 @@ class Inspection:
         return ", ".join(f"{name} (twice there, so unclear)" if name in twice else name for name in self.missing)
 
     @property
+    def why_unknown(self) -> str:
+        """Why nothing can be said of what was reached; empty where there is an outcome."""
+        if self.outcome:
+            return ""
+        if self.reading is not None:
+            return f"the reading {self.reading.name} has no goal"
+        if self.missing:
+            return f"its reading needs {self.lacking}, which is not there"
+        return "no reading says what its columns mean, and what counts as reached"
+
+    @property
     def last_frames(self) -> Columns:
         """The last frame of every episode: every numeric feature, (n_episodes, size)."""
         return self.ends["last"]
@@ -208,22 +219,9 @@ def inspect_dataset(
     keep: int = 0,
     executor: Executor | None = None,
 ) -> Inspection:
-    """Read every frame of a dataset once, and sum it up.
+    """Read every frame of a dataset once, and sum it up: `z2r.inspect_dataset`, with the reading handed down.
 
-    Parameters
-    ----------
-    dataset : Dataset
-        From `z2r.load`.
-    mode : BreakMode, optional
-        Get one assumption wrong on purpose.
-    reading : Reading, optional
-        What the columns mean. Where the schema lacks its columns, there is no outcome.
-    progress : callable, optional
-        Called with the number of frames done and the number of all, after each data file.
-    keep : int, optional
-        Keep as many of the first frames, those of whole episodes, for who wants to draw them.
-    executor : Executor, optional
-        What runs the fold over the data files; threads unless given.
+    Where the schema lacks a column of the reading, or there is none, there is no outcome.
 
     Raises
     ------

@@ -14,10 +14,12 @@ import msgspec
 
 from z2r.errors import DatasetError, Fault
 from z2r.format.schema import ACTION, STATE, Schema
+from z2r.format.store import read_bytes
 from z2r.reading.goal import Goal
 from z2r.reading.poses import PoseColumns, QuaternionColumns, YawColumns
 
 _MAX_BYTES = 2**20  # of a reading file
+_DRAFT = "z2r reading DATASET --out FILE.toml drafts one"
 
 
 class ColumnMeaning(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True, kw_only=True):
@@ -258,14 +260,7 @@ def read_reading(path: str | os.PathLike[str]) -> Reading:
     """
     path = Path(path)
     try:
-        raw = path.read_bytes()[: _MAX_BYTES + 1]
-    except OSError as error:
-        found = (error.strerror or str(error)).lower()
-        raise DatasetError(Fault(path, "", found, "a reading file, such as z2r/pusht/pusht.toml")) from None
-    if len(raw) > _MAX_BYTES:
-        raise DatasetError(Fault(path, "", "more than a megabyte", "a reading file"))
-    try:
-        content = msgspec.toml.decode(raw, type=dict[str, Any])
+        content = msgspec.toml.decode(read_bytes(path, _MAX_BYTES, "a reading file", _DRAFT), type=dict[str, Any])
     except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
         raise DatasetError(Fault(path, "", f"no TOML ({error})", "a reading file")) from None
     return reading_of({"name": path.stem} | content, path)

@@ -15,11 +15,11 @@ from z2r.format.schema import ACTION, STATE, Schema
 from z2r.reading.action import DrivenColumn
 from z2r.reading.inspection import Inspection
 from z2r.reading.reading import column_names, locate
+from z2r.reading.stored import label_in
 
 _MAX_COLUMNS = 200
 _AXES = ("x", "y", "z")
 _DRIVES = {"target": "position", "velocity": "velocity", "step": "delta"}
-_STORED = ("next.success", "success")
 
 
 def draft_reading(inspection: Inspection, name: str) -> str:
@@ -151,8 +151,7 @@ def _action_lines(action: Sequence[DrivenColumn], schema: Schema) -> Iterator[st
 def _goal_lines(inspection: Inspection, poses: dict[str, dict[str, str]]) -> Iterator[str]:
     yield "# What counts as reached? Unknown: nothing in the data says it. All goals that stand here must hold in the"
     yield "# last stored frame of an episode. Take the # away from one, and fill in its limit."
-    stored = next((name for name in _STORED if name in inspection.schema.signals()), None)
-    if stored:
+    if stored := label_in(inspection.schema):
         yield f'[[goal]]\nname = "success"\nstored = {_text(stored)} # stored in the dataset'
     if pair := _pair_to_bring_together(inspection, poses):
         yield f'# [[goal]]\n# name = "distance"\n# distance = [{_text(pair[0])}, {_text(pair[1])}]\n# within = 0.03'

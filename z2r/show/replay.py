@@ -28,7 +28,6 @@ from z2r.reading.scene import Scene
 from z2r.reading.success import frame_errors
 
 APPLICATION_ID = "seeing-like-a-robot"
-MAX_FRAMES = 20_000  # half an hour at 10 Hz: more than anybody scrubs through
 
 _COLORS: dict[Role, tuple[int, ...]] = {"object": (115, 128, 242), "goal": (90, 205, 100), "robot": (230, 102, 90)}
 _SEE_THROUGH = 120  # of 255: a marking lets what stands on it be seen
@@ -97,7 +96,7 @@ def write_replay(inspection: Inspection, path: Path, scene: Scene | None = None)
     view = _view(decoded, scene) if decoded and decoded.reading.poses else None
     recorder = _Recorder(path, _blueprint(frames, reading, view), schema.fps, starts, len(rows))
     recorder.static("about", rr.TextDocument(_about(inspection.about)))
-    recorder.columns("eval/episode_index", rr.Scalars.columns(scalars=np.repeat(np.arange(len(shown)), shown.lengths)))
+    recorder.columns("eval/episode_index", rr.Scalars.columns(scalars=np.repeat(shown.numbers, shown.lengths)))
     if ACTION in frames:
         _send_feature(recorder, "policy/action", frames[ACTION], schema, ACTION)
     if decoded and view:

@@ -18,7 +18,7 @@ from rich.text import Text
 
 from z2r.audits.findings import Finding
 from z2r.check import Severity
-from z2r.errors import printable, short, some
+from z2r.errors import count, printable, short, some
 from z2r.format.about import About
 from z2r.format.schema import Schema
 from z2r.reading.breaks import BreakMode
@@ -56,7 +56,7 @@ def summary(inspection: Inspection, title: str, given: bool = False) -> Renderab
     seconds = episodes.n_frames / schema.fps
     head = Text.assemble(
         (printable(title), "bold"),
-        f"  {_count(len(episodes), 'episode')}, {_count(episodes.n_frames, 'frame')} at {schema.fps:g} fps"
+        f"  {count(len(episodes), 'episode')}, {count(episodes.n_frames, 'frame')} at {schema.fps:g} fps"
         f" ({seconds:,.1f} s), LeRobot {printable(schema.codebase_version)}",
     )
     spread = f"\nlengths: {lengths.min()} to {lengths.max()} frames, {lengths.mean():.1f} on average"
@@ -86,7 +86,7 @@ def audit_report(audit: "Audit", title: str) -> RenderableType:
     """Return the findings of an audit, and what nobody looked at, ready to print."""
     head = Text.assemble(
         (printable(title), "bold"),
-        f"  {_count(audit.n_episodes, 'episode')}, {_count(audit.n_frames, 'frame')}"
+        f"  {count(audit.n_episodes, 'episode')}, {count(audit.n_frames, 'frame')}"
         if audit.readable
         else "  cannot be read",
     )
@@ -137,13 +137,9 @@ def _finding(finding: Finding) -> RenderableType:
 def _verdict(audit: "Audit") -> Text:
     counts = Counter(finding.severity for finding in audit.findings)
     if not counts:
-        return Text("nothing wrong was found", style="bold green")
-    said = ", ".join(_count(counts[severity], severity) for severity in _SEVERITY_STYLES if counts[severity])
+        return Text("nothing wrong was found in what was checked", style="bold green")
+    said = ", ".join(count(counts[severity], severity) for severity in _SEVERITY_STYLES if counts[severity])
     return Text(said, style="bold red" if counts["error"] else "bold yellow" if counts["warning"] else "bold")
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number:,} {noun}" + ("" if number == 1 else "s")
 
 
 def _table(title: str) -> Table:
@@ -266,7 +262,8 @@ def _outcome_columns(inspection: Inspection) -> list[str]:
 def _reached(inspection: Inspection, given: bool) -> Text:
     outcome, reading = inspection.outcome, inspection.reading
     if outcome is None or reading is None:
-        return Text(f"reached: unknown, {_why_unknown(inspection)}", style="yellow")
+        why = f"{printable(inspection.why_unknown)}: z2r reading drafts one to fill in"
+        return Text(f"reached: unknown, for {why}", style="yellow")
     says = " and ".join(goal.says(reading.unit(goal)) for goal in reading.goal)
     frame = "last stored" if reading.decisive == "last" else "first"
     return Text.assemble(
@@ -288,14 +285,6 @@ def _stored(inspection: Inspection) -> Iterator[Text]:
         yield Text(f"reached and stored: {inspection.agreement}", style="dim")
     if inspection.stored_note:
         yield Text(f"stored: {inspection.stored_note}", style="yellow")
-
-
-def _why_unknown(inspection: Inspection) -> str:
-    if inspection.reading is not None:
-        return f"for the reading {printable(inspection.reading.name)} has no goal: z2r reading drafts one to fill in"
-    if inspection.missing:
-        return f"for the schema lacks what the reading needs: {printable(inspection.lacking)}"
-    return "for no reading says what its columns mean: z2r reading drafts one to fill in"
 
 
 def console(quiet: bool = False) -> Console:

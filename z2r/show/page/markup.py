@@ -90,7 +90,7 @@ def _answer(view: View, content: Content) -> str:
     parts = {"name": view.name, "hidden": "hidden" if view.mode else "", "ribbon": ribbon(view, content)}
     if view.outcome and view.reading:
         return fill("answer.html", **_what_was_reached(view, view.outcome, view.reading, content), **parts)
-    why = escape(printable(_why_unread(content.inspection)))
+    why = escape(printable(f"{content.inspection.why_unknown}."))
     if view.stored:
         return fill("answer.html", **_what_is_stored(view.stored, why), **parts)
     return fill("unread.html", why=why, stored=_stored(view, content.inspection), **parts)
@@ -129,15 +129,6 @@ def _stored(view: View, inspection: Inspection) -> str:
     agreement = "" if view.mode else inspection.agreement
     said = f"called a success by the dataset: {view.stored.says}" + (f"; {agreement}" if agreement else "")
     return f'<p class="note"><span class="tag">stored</span> {escape(said)}.</p>'
-
-
-def _why_unread(inspection: Inspection) -> str:
-    """Say why nothing can be said of what was reached."""
-    if inspection.reading is not None:
-        return f"the reading {inspection.reading.name} has no goal."
-    if inspection.missing:
-        return f"its reading needs {inspection.lacking}, which is not there."
-    return "no reading says what its columns mean, and what counts as reached."
 
 
 def _note(view: View, reading: Reading) -> str:
