@@ -16,12 +16,15 @@ import msgspec
 import numpy as np
 
 from z2r.arrays import Ints, Progress, no_progress
-from z2r.audits import index, labels, structure, values
+from z2r.audits import index, joints, labels, motion, structure, values
 from z2r.audits.claims import Claims, NoSchema, Stored, claims_under, read_claims
 from z2r.audits.findings import AUDIT, Finding, ask, failed
+from z2r.audits.following import fold_following, join_following, pairs_of
 from z2r.audits.frames import FileClaims, FileFrames, file_claims, run_stats
+from z2r.audits.joints import Joints
 from z2r.audits.labels import Labels, fold_labels, join_labels
 from z2r.audits.runs import FileSums, Runs, join_runs
+from z2r.audits.steps import moves, run_steps
 from z2r.check import Check, asked_of, parts_in
 from z2r.errors import DatasetError, some
 from z2r.format.dataset import in_order
@@ -35,7 +38,7 @@ from z2r.reading.stored import label_in
 
 MAX_OF_A_CHECK = 5  # findings in detail: a fault that is in every file would hide the others
 
-PARTS = parts_in(structure, index, values, labels)
+PARTS = parts_in(structure, index, values, labels, joints, motion)
 """What every dataset is asked, in the order in which findings come."""
 
 
@@ -184,14 +187,16 @@ def _fold_file(
         frames = FileFrames(claims, schema, tasks, read_data_file(root, schema, claims.path))
         findings = [*ask(asked_of(FileFrames, PARTS), frames)]
         if not frames.read.n_rows:
-            return FileSums(frames.read.n_rows, findings, nothing, None, {}, None, None)
+            return FileSums(frames.read.n_rows, findings, nothing, None, {}, None, None, None, {})
         number, starts = frames.counts.get("episode_index"), frames.run_starts
         stats = {name: run_stats(signal, starts) for name, signal in frames.signals.items()}
         numbers, scene_sums = None if number is None else number[starts], _fold_scene(scene, frames, reading, findings)
         said = fold_labels(frames, reading)
-        return FileSums(frames.read.n_rows, findings, starts, numbers, stats, said, scene_sums)
+        following = fold_following(pairs_of(schema), frames.read.frames, starts)
+        steps = {name: run_steps(signal, starts) for name, signal in frames.signals.items() if moves(name)}
+        return FileSums(frames.read.n_rows, findings, starts, numbers, stats, said, scene_sums, following, steps)
     except Exception as error:
-        return FileSums(None, [failed(claims.path.as_posix(), error)], nothing, None, {}, None, None)
+        return FileSums(None, [failed(claims.path.as_posix(), error)], nothing, None, {}, None, None, None, {})
 
 
 def _fold_scene(scene: Scene | None, frames: FileFrames, reading: Reading | None, findings: list[Finding]) -> Any:
@@ -215,6 +220,10 @@ def _ask_of_all(
         yield from ask(asked_of(Runs, PARTS), runs)
         said = [part for number in runs.read if (part := sums[number].labels)]
         yield from ask(asked_of(Labels, PARTS), join_labels(claims.schema, claims.reading, runs.number, said))
+        following = [each for number in runs.read if (each := sums[number].following)]
+        if len(following) == len(runs.read):
+            commanded = Joints(pairs_of(claims.schema), runs.number, join_following(following))
+            yield from ask(asked_of(Joints, PARTS), commanded)
     if scene and claims.reading and _has_scene(sums):
         folded = [(file.path, part.scene) for file, part in zip(files, sums, strict=True) if part.n_rows]
         paths, scene_sums = zip(*folded, strict=True)

@@ -5,11 +5,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from z2r.arrays import Ints
+from z2r.arrays import Floats, Ints
 from z2r.audits.claims import Claims
 from z2r.audits.findings import Finding
+from z2r.audits.following import Following
 from z2r.audits.frames import FileClaims, RunStats, joined
 from z2r.audits.labels import FileLabels
+from z2r.audits.steps import RunSteps, join_steps
 
 
 class FileSums(NamedTuple):
@@ -31,6 +33,10 @@ class FileSums(NamedTuple):
         What success, reward and done say.
     scene : object
         What the scene made of it; None where there is none, or its columns are not there.
+    following : Following or None
+        How joints follow their commands; None where no command has the name of a joint.
+    steps : dict of str to RunSteps
+        Of what was observed and done.
     """
 
     n_rows: int | None
@@ -40,6 +46,8 @@ class FileSums(NamedTuple):
     stats: dict[str, RunStats]
     labels: FileLabels | None
     scene: Any
+    following: Following | None
+    steps: dict[str, RunSteps]
 
 
 class Runs(NamedTuple):
@@ -57,6 +65,8 @@ class Runs(NamedTuple):
         The data files that could be read.
     stats : dict of str to RunStats
         Of each feature that could be read in all of these files.
+    steps : dict of str to RunSteps
+        Of those of them that were observed or done.
     """
 
     claims: Claims
@@ -66,6 +76,18 @@ class Runs(NamedTuple):
     file_number: Ints
     read: list[int]
     stats: dict[str, RunStats]
+    steps: dict[str, RunSteps]
+
+    @property
+    def n_frames(self) -> Floats:
+        """Of each run."""
+        return (self.stop - self.start).astype(np.float64)
+
+    def spans(self, name: str) -> Floats:
+        """Return the range of each column of a feature over all runs, float64[size]."""
+        stats = self.stats[name]
+        span: Floats = stats.high.max(axis=0) - stats.low.min(axis=0)
+        return span
 
 
 def join_runs(claims: Claims, files: Sequence[FileClaims], sums: Sequence[FileSums]) -> Runs | None:
@@ -76,6 +98,7 @@ def join_runs(claims: Claims, files: Sequence[FileClaims], sums: Sequence[FileSu
     if not read or len(known) < len(read):
         return None
     parts = [(files[number].base, sums[number]) for number in read]
+    moved = {name for _, part in parts for name in part.steps}
     shared = [name for name in claims.schema.signals() if all(name in part.stats for _, part in parts)]
     return Runs(
         claims=claims,
@@ -85,4 +108,5 @@ def join_runs(claims: Claims, files: Sequence[FileClaims], sums: Sequence[FileSu
         file_number=np.repeat(read, [len(part.starts) for _, part in parts]),
         read=read,
         stats={name: joined([part.stats[name] for _, part in parts]) for name in shared},
+        steps={name: join_steps([part.steps[name] for _, part in parts]) for name in shared if name in moved},
     )

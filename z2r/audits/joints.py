@@ -1,0 +1,310 @@
+"""Does every joint follow its command, in each episode as in the others? Nothing is declared: fellows are compared.
+
+What is usual is taken from the episodes themselves, so what is the same in all of them is only wrong where no robot can
+do it, or where one joint differs from all other joints.
+"""
+
+import warnings
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from z2r.arrays import Bools, Floats, Ints
+from z2r.audits.following import MIN_FRAMES, Following, Pair
+from z2r.check import Answer, Check
+from z2r.errors import Fault, count
+from z2r.format.episodes import DATA_DIR
+from z2r.format.schema import ACTION
+from z2r.reading.action import unit_of
+from z2r.reading.stored import episodes_named
+
+_SOME = 0.34  # of the runs: a fault may be in half of them
+_WELL = 0.9  # share of a command's variance: a column that explains more follows well
+_FRAMES = 3  # between two lags, at least: teleoperation jitters by one or two
+_APART = 6  # frames between one joint and the others: some joints are slower
+_SCALE = 1.6  # times: what holds a joint back makes a factor look so much larger at most
+_MOVES = 0.3  # of what is usual: less motion tells nothing
+_STRAY = 8  # times as far beside its command as the others stray
+_BESIDE = 0.06  # of a joint's range
+
+
+@dataclass(frozen=True, eq=False)
+class Joints:
+    """How all columns follow their commands in all runs of frames, and what is usual.
+
+    Attributes
+    ----------
+    pairs : tuple of Pair
+        Dimensions of the action, and the columns of their names.
+    number : ndarray, int64[n_runs]
+        The `episode_index` of each run of frames.
+    runs : Following
+        A row for each run, a column for each pair.
+    """
+
+    pairs: tuple[Pair, ...]
+    number: Ints
+    runs: Following
+
+    @cached_property
+    def judged(self) -> Bools:
+        """Where a command goes far enough to tell whether it is followed, bool[n_runs, n_pairs]."""
+        asked = self.runs.asked
+        judged: Bools = (
+            (asked > 0) & (asked >= _MOVES * _median(asked, asked > 0)) & (self.runs.n >= MIN_FRAMES)[:, None]
+        )
+        return judged
+
+    @cached_property
+    def follows(self) -> Bools:
+        """Where a column follows its command, bool[n_runs, n_pairs]."""
+        follows: Bools = self.judged & np.isfinite(self.runs.lag)
+        return follows
+
+    @cached_property
+    def followed(self) -> Bools:
+        """Which commands are followed in many runs, bool[n_pairs]."""
+        followed: Bools = self.follows.sum(axis=0) > _SOME * np.maximum(self.judged.sum(axis=0), 1)
+        return followed
+
+    @cached_property
+    def usual(self) -> dict[str, Floats]:
+        """What is usual where a column follows, each float64[n_pairs]; NaN where it does not."""
+        names = ("kind", "lag", "least", "most", "explained", "factor")
+        return {name: _median(getattr(self.runs, name), self.follows) for name in names}
+
+    def dim(self, pair: int) -> str:
+        """Name a dimension of the action."""
+        name = self.pairs[pair].name
+        return f"{ACTION}{name}" if name.startswith("[") else f"{ACTION}[{name}]"
+
+    def column(self, pair: int) -> str:
+        """Name the column that has its name."""
+        name = self.pairs[pair].name
+        return f"{self.pairs[pair].feature}{name}" if name.startswith("[") else f"{self.pairs[pair].feature}[{name}]"
+
+
+LATE = Check("late", "what a command brings about comes after it, and as many frames later in every episode", "warning")
+
+
+@LATE.of(Joints)
+def commands_come_first(joints: Joints) -> Iterator[Answer]:
+    """Is a joint where it was told to be before it was told so? No robot can do that."""
+    usual = joints.usual
+    first = np.where(usual["kind"] > 0, 0, -1)  # a change that ends with the frame of its command began before it
+    early = joints.followed & (usual["most"] <= first) & (usual["explained"] > _WELL)
+    if early.sum() > 0.5 * joints.followed.sum():
+        pair = int(np.where(early, usual["explained"], 0).argmax())
+        found = f"what {joints.column(pair)} does {_frames(usual['lag'][pair])}"
+        mend = "A joint cannot move before it is told to: shift the actions to where they were sent"
+        yield Fault(DATA_DIR, ACTION, f"{found}{_of_joints(early)}", "what it does after the command", mend)
+
+
+@LATE.of(Joints)
+def no_episode_is_late(joints: Joints) -> Iterator[Answer]:
+    """Does a joint follow earlier or later than in the other episodes?"""
+    runs, usual = joints.runs, joints.usual
+    apart = (runs.most < usual["least"]) | (runs.least > usual["most"])
+    off = joints.follows & joints.followed & (runs.kind == usual["kind"]) & (runs.explained > _WELL) & apart
+    wrong = off & (np.abs(runs.lag - usual["lag"]) >= _FRAMES)
+
+    def said(run: int, pair: int) -> tuple[str, str, str]:
+        by = int(usual["lag"][pair] - runs.lag[run, pair])
+        found = f"what {joints.column(pair)} does {_frames(runs.lag[run, pair])}"
+        mend = f"Were these actions recorded {count(abs(by), 'frame')} {'late' if by > 0 else 'early'}?"
+        return found, f"what it does {_frames(usual['lag'][pair])}, as in the other episodes", mend
+
+    yield from _told(joints, wrong, said)
+
+
+@LATE.of(Joints)
+def no_joint_is_late(joints: Joints) -> Iterator[Answer]:
+    """Does one joint follow much earlier or later than the others?"""
+    usual = joints.usual
+    known = joints.followed & (usual["explained"] > _WELL)
+    if known.sum() < 3:
+        return
+    lag = float(np.median(usual["lag"][known]))
+    far = np.where(usual["lag"] > lag, usual["least"] - lag, lag - usual["most"])
+    wrong = known & (far >= max(_APART, abs(lag)))
+    for pair in np.flatnonzero(wrong).tolist():
+        found = f"what {joints.column(pair)} does {_frames(usual['lag'][pair])}"
+        expected = f"about {lag:.0f}, as of the other {known.sum() - 1} joints"
+        yield Fault(DATA_DIR, joints.dim(pair), found, expected, "Is it slower than they, or is its clock another?")
+
+
+UNIT = Check("unit", "a joint is measured in the unit, with the sign and from the zero of its command", "warning")
+
+
+@UNIT.of(Joints)
+def joints_have_the_unit_of_their_command(joints: Joints) -> Iterator[Answer]:
+    """Is one joint measured in another unit than its command, or with another sign, while the others are not?"""
+    usual = joints.usual
+    known = joints.followed & (usual["kind"] == 0)
+    plain = known & (usual["factor"] > 1 / _SCALE) & (usual["factor"] < _SCALE)
+    for pair in np.flatnonzero(known & ~plain).tolist():
+        factor = usual["factor"][pair]
+        others = int(plain.sum())
+        expected = f"1, as of {others} other joints" if others else "1: the same unit of both"
+        fault = Fault(
+            DATA_DIR,
+            joints.dim(pair),
+            f"{_factor(factor)} for 1 of {joints.column(pair)}",
+            expected,
+            "Which of the two is right? Convert the other one in all episodes",
+        )
+        # All joints alike is a convention; one alone is a mistake.
+        alone = others or (factor < 0 and (usual["factor"][known] > 0).any())
+        yield fault if alone and (unit_of(factor) or factor < 0) else ("note", fault)
+
+
+@UNIT.of(Joints)
+def joints_keep_their_unit(joints: Joints) -> Iterator[Answer]:
+    """Is a joint measured in another unit, or with another sign, in some episodes?"""
+    runs, usual = joints.runs, joints.usual
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = runs.factor / usual["factor"]
+    known = joints.follows & joints.followed & (runs.kind == usual["kind"]) & (runs.explained > _WELL)
+    wrong = known & ~((ratio > 1 / _SCALE) & (ratio < _SCALE))
+
+    def said(run: int, pair: int) -> tuple[str, str, str]:
+        found = f"{_factor(runs.factor[run, pair])} for 1 of {joints.column(pair)}"
+        mend = "Was a calibration or a unit changed between recordings? Convert one kind to the other"
+        return found, f"{_factor(usual['factor'][pair])}, as in the other episodes", mend
+
+    yield from _told(joints, wrong, said)
+
+
+@UNIT.of(Joints)
+def joints_keep_their_zero(joints: Joints) -> Iterator[Answer]:
+    """Does a joint stay beside its command in some episodes, by much more than in the others?"""
+    runs, usual = joints.runs, joints.usual
+    known = joints.follows & joints.followed & (runs.kind == 0) & (usual["kind"] == 0) & (runs.explained > _WELL)
+    beside = runs.mean_asked - usual["factor"] * runs.mean_seen
+    middle = _median(beside, known)
+    stray = _median(np.abs(beside - middle), known)
+    off = np.abs(beside - middle)
+    span = _median(runs.asked, joints.judged)
+    a_turn = np.isclose(off % (2 * np.pi), 0, atol=0.05) | np.isclose(off % 360, 0, atol=3)
+    wrong = known & (off > _STRAY * stray) & (off > _BESIDE * span) & ~(a_turn & (off > 3))
+    wrong &= (known.sum(axis=0) >= 3) & (wrong.sum(axis=0) < 0.6 * known.sum(axis=0))
+
+    def said(run: int, pair: int) -> tuple[str, str, str]:
+        found = f"{beside[run, pair]:.3g} beside {joints.column(pair)}, on average"
+        mend = "Was the robot or its leader calibrated anew in between? Then one pose has two numbers"
+        return found, f"about {middle[pair]:.3g}, as in the other episodes", mend
+
+    yield from _told(joints, wrong, said)
+
+
+@Check("joint-order", "a command drives the joint of its own name", "warning").of(Joints)
+def commands_drive_their_own_joint(joints: Joints) -> Iterator[Answer]:
+    """Does another joint follow a command than that of its name?"""
+    runs = joints.runs
+    better = joints.judged & (runs.other_explained > _WELL) & (runs.explained < 1 - 2 * (1 - runs.other_explained))
+    own = np.arange(len(joints.pairs))
+    wrong = better & (runs.other != own) & np.isfinite(runs.other)
+    # By chance, joints move alike in some episode: where they are exchanged, the other command goes astray as well.
+    back = np.take_along_axis(wrong, np.nan_to_num(runs.other).astype(np.int64), axis=1)
+    wrong &= back | (runs.explained < _MOVES)
+
+    def said(run: int, pair: int) -> tuple[str, str, str]:
+        other = int(runs.other[run, pair])
+        found = f"what {joints.column(other)} does ({runs.other_explained[run, pair]:.1%} explained)"
+        expected = f"what {joints.column(pair)} does ({runs.explained[run, pair]:.1%})"
+        return found, expected, "Are two joints, or two arms, exchanged in the state or in the action?"
+
+    yield from _told(joints, wrong, said)
+
+
+@Check("follow", "a joint follows its command in every episode, if it does in most", "warning").of(Joints)
+def joints_follow_in_every_episode(joints: Joints) -> Iterator[Answer]:
+    """Does a joint go its own way in some episodes? The action is of another episode then, or the sensor is broken."""
+    runs, usual = joints.runs, joints.usual
+    steady = joints.followed & (usual["explained"] > _WELL)
+    wrong = joints.judged & steady & (runs.explained < np.minimum(0.5, 1 - 5 * (1 - usual["explained"])))
+    wrong &= ~((runs.other_explained > _WELL) & (runs.other != np.arange(len(joints.pairs))))
+
+    def said(run: int, pair: int) -> tuple[str, str, str]:
+        found = f"{runs.explained[run, pair]:.0%} of it explained by {joints.column(pair)}"
+        mend = "Are these the actions of another episode, or is a sensor or a motor broken?"
+        return found, f"{usual['explained'][pair]:.1%}, as in the other episodes", mend
+
+    yield from _told(joints, wrong, said)
+
+
+COMMAND = Check("command", "where a robot moves, its command is recorded", "warning")
+
+
+@COMMAND.of(Joints)
+def commands_are_recorded(joints: Joints) -> Iterator[Answer]:
+    """Does a command stand still while its joint moves as far as it does elsewhere, or as other joints do?"""
+    runs = joints.runs
+    usual = _median(runs.moved, joints.judged)
+    driven = usual[joints.followed & np.isfinite(usual)]
+    usual = np.where(np.isfinite(usual), usual, np.median(driven) if len(driven) else np.nan)
+    wrong = (runs.asked == 0) & (runs.moved > _MOVES * usual) & (runs.n >= MIN_FRAMES)[:, None]
+
+    def said(run: int, pair: int) -> tuple[str, str, str]:
+        found = f"the same number in all {runs.n[run]:.0f} frames"
+        expected = f"a command, since {joints.column(pair)} moves by {runs.moved[run, pair]:.3g}"
+        return found, expected, "Nothing can be learned from it: leave these episodes out, or record them again"
+
+    yield from _told(joints, wrong, said)
+
+
+@COMMAND.of(Joints)
+def commands_are_no_copies(joints: Joints) -> Iterator[Answer]:
+    """Is the action nothing but the state in some episodes, while it is a command in the others?"""
+    copied = (joints.runs.copied > 0) & joints.judged
+    whole = copied.sum(axis=1) >= np.maximum(joints.judged.sum(axis=1), 1)
+    moves = joints.judged.any(axis=1)
+    if not 0 < whole[moves].sum() <= 0.6 * moves.sum():
+        return
+    numbers = joints.number[whole]
+    mend = "Was the robot led by hand there? Then no command was recorded"
+    found = "the state itself, bit for bit"
+    yield Fault(DATA_DIR, f"{ACTION} in {episodes_named(numbers.tolist())}", found, "a command, as in the others", mend)
+
+
+def _told(joints: Joints, wrong: Bools, said: Callable[[int, int], tuple[str, str, str]]) -> Iterator[Answer]:
+    """Name what is wrong: the whole action in the runs in which most joints are, else each joint by itself."""
+    n_judged = np.maximum((joints.judged | wrong).sum(axis=1), 2)
+    together = wrong.sum(axis=1) > 0.5 * n_judged
+    if together.any():
+        run = int(together.argmax())
+        pair = int(np.where(wrong[run], joints.runs.explained[run], -1).argmax())
+        found, expected, mend = said(run, pair)
+        where = f"{ACTION} in {episodes_named(joints.number[together].tolist())}"
+        yield Fault(DATA_DIR, where, f"{found}{_of_joints(wrong[run])}", expected, mend)
+    alone = wrong & ~together[:, None]
+    for pair in np.flatnonzero(alone.any(axis=0)).tolist():
+        found, expected, mend = said(int(alone[:, pair].argmax()), pair)
+        where = f"{joints.dim(pair)} in {episodes_named(joints.number[alone[:, pair]].tolist())}"
+        yield Fault(DATA_DIR, where, found, expected, mend)
+
+
+def _median(values: Floats, where: Bools) -> Floats:
+    """Return the lower median of each column where it counts, NaN where nothing does: (n, m) to (m,)."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # a column in which nothing counts
+        middle: Floats = np.nanquantile(np.where(where, values, np.nan), 0.5, axis=0, method="lower")
+    return middle
+
+
+def _frames(lag: float) -> str:
+    return f"{count(abs(int(lag)), 'frame')} {'before' if lag < 0 else 'after'} it"
+
+
+def _of_joints(wrong: Bools) -> str:
+    n = int(wrong.sum())
+    return f", and so of {count(n - 1, 'more joint')}" if n > 1 else ""
+
+
+def _factor(factor: float) -> str:
+    """Say a factor, and what it is between units."""
+    unit = unit_of(factor)
+    said = f" ({unit})" if unit and abs(abs(factor) - 1) > 0.1 else ""
+    return f"{factor:.3g}{said}"
