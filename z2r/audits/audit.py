@@ -14,6 +14,7 @@ from typing import Any
 
 import msgspec
 import numpy as np
+from msgspec.structs import replace
 
 from z2r.arrays import Ints, Progress, no_progress
 from z2r.audits import index, joints, labels, motion, structure, values
@@ -67,6 +68,9 @@ class Audit(msgspec.Struct, frozen=True):
         How many there are, as far as they could be read.
     break_mode : str or None
         Which assumption was wrong on purpose.
+    kept : tuple of int
+        The `episode_index` of every episode that no error is about: what `lerobot-train --dataset.episodes` takes. An
+        error that is about no episode in particular keeps none out.
     readable : bool
         False where `meta/info.json` or all episode metadata cannot be read, so that no frame was looked at.
     """
@@ -77,6 +81,7 @@ class Audit(msgspec.Struct, frozen=True):
     n_episodes: int
     n_frames: int
     break_mode: str | None
+    kept: tuple[int, ...]
     readable: bool
 
     @property
@@ -99,7 +104,7 @@ class Audit(msgspec.Struct, frozen=True):
         dict
             ``source``, ``break_mode``, ``exit_code``, ``n_episodes``, ``n_frames``; ``n_errors``, ``n_warnings``,
             ``n_notes``, of those in ``findings``; ``findings``, each with ``check``, ``severity``, ``file``, ``field``,
-            ``found``, ``expected`` and ``mend``; ``more``, how many findings of a check are left out; and
+            ``found``, ``expected``, ``mend`` and ``episodes``; ``more``, how many findings of a check are left out; and
             ``not_checked``.
         """
         counts = Counter(finding.severity for finding in self.findings)
@@ -110,7 +115,7 @@ class Audit(msgspec.Struct, frozen=True):
             "n_episodes": self.n_episodes,
             "n_frames": self.n_frames,
             **{f"n_{severity}s": counts[severity] for severity in ("error", "warning", "note")},
-            "findings": [msgspec.to_builtins(finding) for finding in self.findings],
+            "findings": [msgspec.to_builtins(each) | {"episodes": [*each.episodes]} for each in self.findings],
             "more": self.more,
             "not_checked": list(self.not_checked),
         }
@@ -159,6 +164,7 @@ def audit(
         n_episodes=len(claims.table.number),
         n_frames=sum(part.n_rows or 0 for part in sums),
         break_mode=mode.name if mode else None,
+        kept=_without_error(claims.table.number, findings),
         readable=True,
     )
 
@@ -185,7 +191,7 @@ def _fold_file(
     nothing = np.array([], dtype=np.int64)
     try:
         frames = FileFrames(claims, schema, tasks, read_data_file(root, schema, claims.path))
-        findings = [*ask(asked_of(FileFrames, PARTS), frames)]
+        findings = [_of_the_file(each, claims) for each in ask(asked_of(FileFrames, PARTS), frames)]
         if not frames.read.n_rows:
             return FileSums(frames.read.n_rows, findings, nothing, None, {}, None, None, None, {})
         number, starts = frames.counts.get("episode_index"), frames.run_starts
@@ -197,6 +203,11 @@ def _fold_file(
         return FileSums(frames.read.n_rows, findings, starts, numbers, stats, said, scene_sums, following, steps)
     except Exception as error:
         return FileSums(None, [failed(claims.path.as_posix(), error)], nothing, None, {}, None, None, None, {})
+
+
+def _of_the_file(finding: Finding, claims: FileClaims) -> Finding:
+    """Where nobody can say in which rows of a file something is wrong, it is wrong with all of its episodes."""
+    return finding if finding.episodes else replace(finding, episodes=claims.numbers)
 
 
 def _fold_scene(scene: Scene | None, frames: FileFrames, reading: Reading | None, findings: list[Finding]) -> Any:
@@ -289,7 +300,12 @@ def _ended(findings: Sequence[Finding], mode: BreakMode | None) -> Audit:
     nothing_else = "everything else: without meta/info.json and the episode metadata, frames mean nothing"
     kept, more = _in_order(findings, all_checks())
     name = mode.name if mode else None
-    return Audit(kept, more, (*_failed(findings), nothing_else), 0, 0, name, readable=False)
+    return Audit(kept, more, (*_failed(findings), nothing_else), 0, 0, name, kept=(), readable=False)
+
+
+def _without_error(numbers: Ints, findings: Iterable[Finding]) -> tuple[int, ...]:
+    wrong = {number for finding in findings if finding.severity == "error" for number in finding.episodes}
+    return tuple(number for number in numbers.tolist() if number not in wrong)
 
 
 def _in_order(findings: Iterable[Finding], checks: Sequence[Check]) -> tuple[tuple[Finding, ...], dict[str, int]]:

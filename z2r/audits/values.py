@@ -13,7 +13,7 @@ from z2r.audits.runs import Runs
 from z2r.check import Answer, Check
 from z2r.errors import Fault
 from z2r.format.episodes import DATA_DIR
-from z2r.format.rules import and_more
+from z2r.format.rules import and_more, episodes_of
 from z2r.format.schema import ACTION, STATE, Feature
 from z2r.format.tables import STATS_PATH, read_shard_statistics
 from z2r.reading.scene import FROZEN
@@ -48,7 +48,8 @@ def unit_circle(frames: FileFrames) -> Iterator[Answer]:
             if wrong.any():
                 row = int(wrong.argmax())
                 place = f"{name}: {feature.dim_names[sine]}² + {feature.dim_names[cosine]}² in row {row}"
-                yield Fault(frames.path, place, f"{squares[row]:.3f}{and_more(wrong)}", "1: a sine and its cosine")
+                found, named = f"{squares[row]:.3f}{and_more(wrong)}", frames.episodes_in(wrong)
+                yield Fault(frames.path, place, found, "1: a sine and its cosine", episodes=named)
 
 
 @Check("jump", "no value leaps away and back, many times further than it moves elsewhere", "warning").of(Runs)
@@ -80,7 +81,8 @@ def no_sensor_is_frozen(runs: Runs) -> Iterator[Answer]:
         run = int(wrong[:, column].argmax())
         found = f"{stats.low[run, column]:.4g} in all {stats.n[run]:.0f} frames{and_more(wrong[:, column])}"
         place = f"{STATE}{_dim(feature, column)} in episode {runs.number[run]}"
-        yield Fault(DATA_DIR, place, found, "a value that moves, as in the other episodes")
+        named = episodes_of(runs.number, wrong[:, column])
+        yield Fault(DATA_DIR, place, found, "a value that moves, as in the other episodes", episodes=named)
 
 
 @FROZEN.of(Runs)
@@ -112,7 +114,8 @@ def twin(runs: Runs) -> Iterator[Answer]:
         run, same = twins[0]
         found = f"episode {runs.number[same]} again, frame for frame{and_more(np.ones(len(twins), dtype=bool))}"
         mend = "It counts twice in training, and may stand on both sides of a split"
-        yield Fault(DATA_DIR, f"episode {runs.number[run]}", found, "every demonstration once", mend)
+        named = tuple(runs.number[[run for run, _ in twins]].tolist())
+        yield Fault(DATA_DIR, f"episode {runs.number[run]}", found, "every demonstration once", mend, named)
 
 
 STATS = Check("stats", "the stored statistics are those of the data", "warning")
@@ -175,7 +178,11 @@ def jumps(name: str, feature: Feature, stats: RunStats, numbers: Ints) -> Iterat
         run = int(np.where(wrong, stats.spike, 0)[:, column].argmax())
         found = f"a leap of {stats.spike[run, column]:.3g} away and back{and_more(wrong[:, column])}"
         expected = f"steps of about {usual[column]:.3g} at most, as in the other episodes"
-        yield Fault(DATA_DIR, f"{name}{_dim(feature, column)} in episode {numbers[run]}", found, expected)
+        place, named = (
+            f"{name}{_dim(feature, column)} in episode {numbers[run]}",
+            episodes_of(numbers, wrong[:, column]),
+        )
+        yield Fault(DATA_DIR, place, found, expected, episodes=named)
 
 
 def _still(stats: RunStats, long: Bools) -> Bools:

@@ -43,22 +43,31 @@ def read_videos(root: Path, schema: Schema, video_path: str | None, shards: Sequ
     shards : sequence of Path
         Relative to `root`.
     """
-    paths: list[str] = []
+    paths: dict[str, list[int]] = {}
     try:
         for name in video_features(schema):
-            paths += _named(root, name, _checked_template(video_path), shards)
+            paths |= _named(root, name, _checked_template(video_path), shards)
     except DatasetError as error:
         return Read(Videos(tuple(paths), known=False), (error.fault.relative_to(root),))
-    return Read(Videos(tuple(paths), known=True), tuple(fault for path in paths for fault in _missing(root, path)))
+    faults = (
+        fault._replace(episodes=tuple(episodes)) for path, episodes in paths.items() for fault in _missing(root, path)
+    )
+    return Read(Videos(tuple(paths), known=True), tuple(faults))
 
 
-def _named(root: Path, name: str, template: str, shards: Sequence[Path]) -> list[str]:
-    columns = [f"videos/{name}/chunk_index", f"videos/{name}/file_index"]
-    named: set[tuple[int, ...]] = set()
+def _named(root: Path, name: str, template: str, shards: Sequence[Path]) -> dict[str, list[int]]:
+    """Find the videos of one camera, in the order of their numbers, and the episodes that are in each."""
+    columns = [f"videos/{name}/chunk_index", f"videos/{name}/file_index", "episode_index"]
+    named: dict[tuple[int, int], list[int]] = {}
     for shard in shards:
         table = read_columns(open_parquet(root / shard), root / shard, columns)
-        named.update(zip(*(integers(table, column, root / shard).tolist() for column in columns), strict=True))
-    return [template.format(video_key=name, chunk_index=chunk, file_index=file) for chunk, file in sorted(named)]
+        values = (integers(table, column, root / shard).tolist() for column in columns)
+        for chunk, file, episode in zip(*values, strict=True):
+            named.setdefault((chunk, file), []).append(episode)
+    return {
+        template.format(video_key=name, chunk_index=chunk, file_index=file): episodes
+        for (chunk, file), episodes in sorted(named.items())
+    }
 
 
 def _checked_template(video_path: str | None) -> str:
