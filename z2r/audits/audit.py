@@ -29,7 +29,7 @@ from z2r.audits.steps import moves, run_steps
 from z2r.check import Check, asked_of, parts_in
 from z2r.errors import DatasetError, some
 from z2r.format.dataset import in_order
-from z2r.format.schema import MAX_SIGNAL_SIZE, Schema
+from z2r.format.schema import ACTION, MAX_SIGNAL_SIZE, Schema
 from z2r.format.tables import read_data_file
 from z2r.reading.breaks import BreakMode
 from z2r.reading.decode import can_decode, decode
@@ -199,7 +199,7 @@ def _fold_file(
         numbers, scene_sums = None if number is None else number[starts], _fold_scene(scene, frames, reading, findings)
         said = fold_labels(frames, reading)
         following = fold_following(pairs_of(schema), frames.read.frames, starts)
-        steps = {name: run_steps(signal, starts) for name, signal in frames.signals.items() if moves(name)}
+        steps = {name: run_steps(signal, starts, schema.fps) for name, signal in frames.signals.items() if moves(name)}
         return FileSums(frames.read.n_rows, findings, starts, numbers, stats, said, scene_sums, following, steps)
     except Exception as error:
         return FileSums(None, [failed(claims.path.as_posix(), error)], nothing, None, {}, None, None, None, {})
@@ -233,8 +233,10 @@ def _ask_of_all(
         yield from ask(asked_of(Labels, PARTS), join_labels(claims.schema, claims.reading, runs.number, said))
         following = [each for number in runs.read if (each := sums[number].following)]
         if len(following) == len(runs.read):
-            commanded = Joints(pairs_of(claims.schema), runs.number, join_following(following))
-            yield from ask(asked_of(Joints, PARTS), commanded)
+            pairs = pairs_of(claims.schema)
+            ranges = runs.spans(ACTION)[[pair.dim for pair in pairs]]
+            joints_of_all = Joints(pairs, runs.number, join_following(following), ranges)
+            yield from ask(asked_of(Joints, PARTS), joints_of_all)
     if scene and claims.reading and _has_scene(sums):
         folded = [(file.path, part.scene) for file, part in zip(files, sums, strict=True) if part.n_rows]
         paths, scene_sums = zip(*folded, strict=True)

@@ -6,15 +6,16 @@ frames and every such pair (`Following`); `z2r.audits.joints` asks what they say
 """
 
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from z2r.arrays import Bools, Columns, Floats, Ints
+from z2r.arrays import Columns, Floats, Ints
+from z2r.audits.steps import is_a_turn
 from z2r.format.schema import ACTION, STATE, Schema
 
-MIN_FRAMES = 24  # of a run: from fewer nothing is said
+MIN_FRAMES = 40  # of a run: from fewer nothing is said
 FOLLOWS = 0.7  # share of a command's variance that its column must explain
 
 _LATE, _AHEAD = 10, 20  # frames: so far before and after a command its column is looked for
@@ -22,6 +23,7 @@ _SAMPLE = 8  # runs of a file, from which its usual lag is taken
 _LONGEST = 600  # frames of a run that are looked at closer
 _OFF = 3  # times as much unexplained as in the better runs: look closer
 _LITTLE = 0.004  # of the variance: what leaves less unexplained needs no closer look
+_SECOND = 24  # frames, about
 _MAX_LOOKS = 256  # runs of a file, for each pair
 _ALIKE, _TOO_LITTLE = 1.5, 1e-4  # times as much unexplained, and a share of the variance: these lags fit as well
 _POOR = 0.9  # explained: below, another column may explain more
@@ -59,8 +61,14 @@ class Following(NamedTuple):
         Of the command, and of the column so many frames later.
     other, other_explained : ndarray, float64[n_runs, n_pairs]
         The pair whose column explains the command best, and how much; NaN where nobody looked.
-    copied : ndarray, float64[n_runs, n_pairs]
-        1 where the command is the column in every frame, or in the next one, bit for bit.
+    beside, beside_at : ndarray, float64[n_runs, n_pairs]
+        How far the command is from where the column comes to be, at most, on average over about a second; and in which
+        frame of the run that second begins. NaN where the column does not follow in this file.
+    turns_asked, turns_seen : ndarray, float64[n_runs, n_pairs]
+        How often the command, and the column, go on at the other end of a whole turn.
+    copied, foretold : ndarray, float64[n_runs, n_pairs]
+        Share of the frames in which the command changes where it is the column in the same frame, and in the next one,
+        bit for bit.
     """
 
     n: Floats
@@ -76,7 +84,12 @@ class Following(NamedTuple):
     mean_seen: Floats
     other: Floats
     other_explained: Floats
+    beside: Floats
+    beside_at: Floats
+    turns_asked: Floats
+    turns_seen: Floats
     copied: Floats
+    foretold: Floats
 
 
 def pairs_of(schema: Schema) -> tuple[Pair, ...]:
@@ -157,6 +170,9 @@ def _rows(run: int, starts: Ints, stops: Ints) -> slice:
 def _fold_pair(pairs: Sequence[Pair], place: int, columns: Columns, starts: Ints, stops: Ints) -> dict[str, Floats]:
     """Sum up one pair: every field of `Following` but the first, each float64[n_runs]."""
     asked, seen = _command(pairs[place], columns), _column(pairs[place], columns)
+    turns = {"turns_asked": _turns(asked, starts), "turns_seen": _turns(seen, starts)}
+    if all(each.any() for each in turns.values()):
+        asked, seen = _unwound(asked), _unwound(seen)
     usual = _usual_lag(asked, seen, starts, stops)
     kind, lag = (usual.kind, usual.lag) if usual else (0, 0)
     nothing = np.full(len(starts), np.nan)
@@ -168,7 +184,9 @@ def _fold_pair(pairs: Sequence[Pair], place: int, columns: Columns, starts: Ints
         **_fit_runs(asked, _change(seen, starts) if kind else seen, starts, stops, lag),
         "other": nothing.copy(),
         "other_explained": nothing.copy(),
-        "copied": _copied(asked, seen, starts),
+        **_stray(asked, seen, starts, stops, usual),
+        **turns,
+        **_copied(asked, seen, starts),
     }
     for run in _worth_a_look(found, stops - starts, is_followed=usual is not None):
         rows = _rows(run, starts, stops)
@@ -181,14 +199,43 @@ def _fold_pair(pairs: Sequence[Pair], place: int, columns: Columns, starts: Ints
     return found
 
 
-def _copied(asked: Floats, seen: Floats, starts: Ints) -> Floats:
-    """Say of each run whether every command is the column in the same frame, or in the next one: 1 or 0."""
-    next_seen = np.roll(seen, -1)
-    ends = np.append(starts[1:], len(asked)) - 1
-    next_seen[ends] = asked[ends]  # which no frame comes after
-    each = (np.logical_and.reduceat(asked == other, starts) for other in (seen, next_seen))
-    copied: Bools = np.logical_or(*each)
-    return copied.astype(np.float64)
+def _turns(values: Floats, starts: Ints) -> Floats:
+    """Count the steps of a whole turn in each run."""
+    a_turn = is_a_turn(np.abs(_change(values, starts)), np.ptp(values))
+    n_turns: Floats = np.add.reduceat(a_turn.astype(np.float64), starts)
+    return n_turns
+
+
+def _unwound(values: Floats) -> Floats:
+    """Let an angle go on beyond a whole turn."""
+    unwound: Any = np.unwrap(values, period=360.0 if np.ptp(values) > 180 else 2 * np.pi)
+    return np.asarray(unwound, dtype=np.float64)
+
+
+def _copied(asked: Floats, seen: Floats, starts: Ints) -> dict[str, Floats]:
+    """Say of each run in which share of the frames a command is the column in the same frame, and in the next one."""
+    changes = np.diff(asked, prepend=asked[:1]) != 0
+    changes[starts] = False
+    n = np.maximum(np.add.reduceat(changes.astype(np.float64), starts), 1)
+    same = {"copied": asked == seen, "foretold": asked == np.append(seen[1:], np.nan)}
+    return {name: np.add.reduceat((changes & each).astype(np.float64), starts) / n for name, each in same.items()}
+
+
+def _stray(asked: Floats, seen: Floats, starts: Ints, stops: Ints, usual: _Lag | None) -> dict[str, Floats]:
+    """Say how far beside its command a column comes to be in the worst second of each run."""
+    worst, at = np.full(len(starts), np.nan), np.full(len(starts), np.nan)
+    if usual is None or usual.kind:
+        return {"beside": worst, "beside_at": at}
+    lag = usual.lag
+    beside = asked - np.roll(seen, -lag)
+    total = np.concatenate([[0.0], np.cumsum(beside - np.median(beside))])
+    mean = np.abs(total[_SECOND:] - total[:-_SECOND]) / _SECOND  # of the frames from each on
+    first, last = starts + max(-lag, 0), stops - max(lag, 0) - _SECOND
+    for run in np.flatnonzero(last > first).tolist():
+        window = mean[first[run] : last[run]]
+        place = int(window.argmax())
+        worst[run], at[run] = window[place], first[run] - starts[run] + place
+    return {"beside": worst, "beside_at": at}
 
 
 def _worth_a_look(found: dict[str, Floats], n: Ints, *, is_followed: bool) -> list[int]:

@@ -20,12 +20,21 @@ from z2r.format.schema import ACTION
 from z2r.reading.action import unit_of
 from z2r.reading.stored import episodes_named
 
+_LITTLE = 0.05  # of a command's range: a shorter way tells nothing
 _SOME = 0.34  # of the runs: a fault may be in half of them
 _WELL = 0.9  # share of a command's variance: a column that explains more follows well
 _FRAMES = 3  # between two lags, at least: teleoperation jitters by one or two
 _APART = 6  # frames between one joint and the others: some joints are slower
 _SCALE = 1.6  # times: what holds a joint back makes a factor look so much larger at most
 _MOVES = 0.3  # of what is usual: less motion tells nothing
+_VERY_WELL = 0.985  # explained: then a factor is known to a few percent
+_SCALE_WELL = 1.12  # times
+_GEARED = 1.18  # times the scale of the other joints
+_FAR = 5  # times: no contact makes a factor look so much larger
+_BESIDE_FOR_A_WHILE = 4  # times as far as in the others, in the worst second
+_ALWAYS_BESIDE = 0.1  # of a joint's range
+_DEAD = 0.02  # of its command
+_COPIED = 0.1  # of the frames in which a command changes
 _STRAY = 8  # times as far beside its command as the others stray
 _BESIDE = 0.06  # of a joint's range
 
@@ -42,11 +51,14 @@ class Joints:
         The `episode_index` of each run of frames.
     runs : Following
         A row for each run, a column for each pair.
+    ranges : ndarray, float64[n_pairs]
+        From the smallest to the largest command of all runs.
     """
 
     pairs: tuple[Pair, ...]
     number: Ints
     runs: Following
+    ranges: Floats
 
     @cached_property
     def judged(self) -> Bools:
@@ -60,7 +72,8 @@ class Joints:
     @cached_property
     def follows(self) -> Bools:
         """Where a column follows its command, bool[n_runs, n_pairs]."""
-        follows: Bools = self.judged & np.isfinite(self.runs.lag)
+        long = (self.runs.n >= MIN_FRAMES)[:, None] & (self.runs.asked > 0)
+        follows: Bools = np.isfinite(self.runs.lag) & (self.judged | (long & (self.runs.explained > _VERY_WELL)))
         return follows
 
     @cached_property
@@ -143,36 +156,57 @@ def joints_have_the_unit_of_their_command(joints: Joints) -> Iterator[Answer]:
     """Is one joint measured in another unit than its command, or with another sign, while the others are not?"""
     usual = joints.usual
     known = joints.followed & (usual["kind"] == 0)
-    plain = known & (usual["factor"] > 1 / _SCALE) & (usual["factor"] < _SCALE)
-    for pair in np.flatnonzero(known & ~plain).tolist():
-        factor = usual["factor"][pair]
-        others = int(plain.sum())
-        expected = f"1, as of {others} other joints" if others else "1: the same unit of both"
-        fault = Fault(
-            DATA_DIR,
-            joints.dim(pair),
-            f"{_factor(factor)} for 1 of {joints.column(pair)}",
-            expected,
-            "Which of the two is right? Convert the other one in all episodes",
+    plain = known & _near(usual["factor"], 1.0, _SCALE)
+    mend = "Which of the two is right? Convert the other one in all episodes"
+    if known.sum() > 1 and not plain.any():  # all alike is a convention
+        pair = int(np.where(known, usual["explained"], -1).argmax())
+        found = f"{_factor(usual['factor'][pair])} for 1 of {joints.column(pair)}{_of_joints(known)}"
+        yield (
+            "note",
+            Fault(DATA_DIR, ACTION, found, "the same unit of both", "A policy need not care, whoever reads it must"),
         )
-        # All joints alike is a convention; one alone is a mistake.
-        alone = others or (factor < 0 and (usual["factor"][known] > 0).any())
-        yield fault if alone and (unit_of(factor) or factor < 0) else ("note", fault)
+        return
+    middle = np.median(usual["factor"][plain]) if plain.sum() > 2 else np.nan
+    geared = plain & (usual["explained"] > _VERY_WELL) & ~_near(usual["factor"], middle, _GEARED)
+    for pair in np.flatnonzero(known & (geared | ~plain)).tolist():
+        factor, others = usual["factor"][pair], int(plain.sum() - plain[pair])
+        expected = f"about 1, as of {others} other joints" if others else "1: the same unit of both"
+        fault = Fault(DATA_DIR, joints.dim(pair), f"{_factor(factor)} for 1 of {joints.column(pair)}", expected, mend)
+        is_fault = not geared[pair] and others and unit_of(factor) and (factor > 0 or factor > -_SCALE)
+        yield fault if is_fault else ("note", fault)
 
 
 @UNIT.of(Joints)
 def joints_keep_their_unit(joints: Joints) -> Iterator[Answer]:
-    """Is a joint measured in another unit, or with another sign, in some episodes?"""
+    """Is a joint measured in another unit, or with another sign or scale, in some episodes?"""
     runs, usual = joints.runs, joints.usual
+    known = joints.follows & joints.followed & (runs.kind == usual["kind"])
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = runs.factor / usual["factor"]
-    known = joints.follows & joints.followed & (runs.kind == usual["kind"]) & (runs.explained > _WELL)
-    wrong = known & ~((ratio > 1 / _SCALE) & (ratio < _SCALE))
+        apart = np.abs(np.log(np.abs(runs.factor / usual["factor"])))  # 0 where it is the same
+    far = (apart > np.log(_SCALE)) | (runs.factor * usual["factor"] < 0)
+    stray = _median(apart, known & ~far)
+    well = runs.explained > _VERY_WELL
+    wrong = known & (far & ((runs.explained > _WELL) | (apart > np.log(_FAR))))
+    wrong |= known & well & (runs.kind == 0) & (apart > np.log(_SCALE_WELL)) & (apart > _STRAY * stray)
 
     def said(run: int, pair: int) -> tuple[str, str, str]:
         found = f"{_factor(runs.factor[run, pair])} for 1 of {joints.column(pair)}"
-        mend = "Was a calibration or a unit changed between recordings? Convert one kind to the other"
+        mend = "Was a calibration, a gear or a unit changed between recordings? Convert one kind to the other"
         return found, f"{_factor(usual['factor'][pair])}, as in the other episodes", mend
+
+    yield from _told(joints, wrong, said)
+
+
+@UNIT.of(Joints)
+def commands_stay_of_one_kind(joints: Joints) -> Iterator[Answer]:
+    """Does a command say where to be in some episodes, and how far to go in others?"""
+    runs, usual = joints.runs, joints.usual
+    wrong = joints.follows & joints.followed & (runs.kind != usual["kind"]) & (runs.explained > _WELL)
+    kinds = ("a place to be in", "a change to make")
+
+    def said(run: int, pair: int) -> tuple[str, str, str]:
+        expected = f"{kinds[int(usual['kind'][pair])]}, as in the other episodes"
+        return kinds[int(runs.kind[run, pair])], expected, "Convert one kind to the other, or leave these out"
 
     yield from _told(joints, wrong, said)
 
@@ -186,9 +220,7 @@ def joints_keep_their_zero(joints: Joints) -> Iterator[Answer]:
     middle = _median(beside, known)
     stray = _median(np.abs(beside - middle), known)
     off = np.abs(beside - middle)
-    span = _median(runs.asked, joints.judged)
-    a_turn = np.isclose(off % (2 * np.pi), 0, atol=0.05) | np.isclose(off % 360, 0, atol=3)
-    wrong = known & (off > _STRAY * stray) & (off > _BESIDE * span) & ~(a_turn & (off > 3))
+    wrong = known & (off > _STRAY * stray) & (off > _BESIDE * joints.ranges)
     wrong &= (known.sum(axis=0) >= 3) & (wrong.sum(axis=0) < 0.6 * known.sum(axis=0))
 
     def said(run: int, pair: int) -> tuple[str, str, str]:
@@ -197,6 +229,27 @@ def joints_keep_their_zero(joints: Joints) -> Iterator[Answer]:
         return found, f"about {middle[pair]:.3g}, as in the other episodes", mend
 
     yield from _told(joints, wrong, said)
+
+
+@UNIT.of(Joints)
+def no_joint_is_beside_its_command(joints: Joints) -> Iterator[Answer]:
+    """Is a joint beside its command everywhere, by much more than the other joints? That is harmless if it stays so."""
+    runs, usual = joints.runs, joints.usual
+    known = joints.follows & joints.followed & (runs.kind == 0) & (usual["kind"] == 0) & (runs.explained > _WELL)
+    beside = _median(runs.mean_asked - usual["factor"] * runs.mean_seen, known)
+    span = _median(runs.asked, joints.judged)
+    share = np.nan_to_num(np.abs(beside) / np.where(span > 0, span, np.inf))
+    well = (
+        known.any(axis=0)
+        & (usual["explained"] > _VERY_WELL)
+        & _near(usual["factor"], 1.0, _SCALE)
+        & (span > _LITTLE * np.nanmax(span, initial=0))
+    )
+    for pair in np.flatnonzero(well & (share > _ALWAYS_BESIDE)).tolist():
+        found = f"{beside[pair]:.3g} beside {joints.column(pair)} in nearly all episodes"
+        expected = f"nearly the same number: it goes through {span[pair]:.3g}"
+        mend = "Harmless as long as it stays so; are leader and follower calibrated alike?"
+        yield "note", Fault(DATA_DIR, joints.dim(pair), found, expected, mend)
 
 
 @Check("joint-order", "a command drives the joint of its own name", "warning").of(Joints)
@@ -219,7 +272,26 @@ def commands_drive_their_own_joint(joints: Joints) -> Iterator[Answer]:
     yield from _told(joints, wrong, said)
 
 
-@Check("follow", "a joint follows its command in every episode, if it does in most", "warning").of(Joints)
+@UNIT.of(Joints)
+def both_turn_alike(joints: Joints) -> Iterator[Answer]:
+    """Does a joint go on at the other end of a whole turn, where its command goes on beyond it, or the reverse?"""
+    runs = joints.runs
+    for turns, others, what in (
+        (runs.turns_seen, runs.turns_asked, "its column"),
+        (runs.turns_asked, runs.turns_seen, "the command"),
+    ):
+        wrong = (turns > 0) & (others.sum(axis=0) == 0) & joints.judged
+        for pair in np.flatnonzero(wrong.any(axis=0)).tolist():
+            found = f"a whole turn in one step, {what} alone"
+            mend = "Unwind the angle, or wrap both alike: else a policy sees two places that are one"
+            numbers = joints.number[wrong[:, pair]]
+            yield _in_episodes(joints.dim(pair), numbers, found, f"the same of {joints.column(pair)}", mend)
+
+
+FOLLOW = Check("follow", "a joint follows its command in every episode, if it does in most", "warning")
+
+
+@FOLLOW.of(Joints)
 def joints_follow_in_every_episode(joints: Joints) -> Iterator[Answer]:
     """Does a joint go its own way in some episodes? The action is of another episode then, or the sensor is broken."""
     runs, usual = joints.runs, joints.usual
@@ -235,6 +307,36 @@ def joints_follow_in_every_episode(joints: Joints) -> Iterator[Answer]:
     yield from _told(joints, wrong, said)
 
 
+@FOLLOW.of(Joints)
+def joints_follow_all_the_time(joints: Joints) -> Iterator[Answer]:
+    """Is a joint far beside its command for a while, as in no other episode?"""
+    runs, usual = joints.runs, joints.usual
+    known = joints.judged & joints.followed & np.isfinite(runs.beside) & (usual["explained"] > _WELL)
+    calm = _median(runs.beside, known)
+    wrong = known & (runs.beside > _BESIDE_FOR_A_WHILE * calm) & (runs.beside > _BESIDE * joints.ranges)
+    wrong &= (known.sum(axis=0) >= 3) & (wrong.sum(axis=0) < 0.6 * known.sum(axis=0))
+
+    def said(run: int, pair: int) -> tuple[str, str, str]:
+        where = f"{joints.column(pair)} from frame {runs.beside_at[run, pair]:.0f} on"
+        found = f"{runs.beside[run, pair]:.3g} beside {where}, for about a second"
+        mend = "Did something hold it, did it slip, or does its sensor or its command hang there?"
+        return found, f"at most {calm[pair]:.3g}, as in the other episodes", mend
+
+    yield from _told(joints, wrong, said)
+
+
+@FOLLOW.of(Joints)
+def no_joint_is_dead(joints: Joints) -> Iterator[Answer]:
+    """Does a joint hardly move in any episode, whatever it is told, while others do as they are told?"""
+    runs = joints.runs
+    dead = joints.judged.any(axis=0) & ~joints.followed & (runs.moved < _DEAD * runs.asked).all(axis=0)
+    for pair in np.flatnonzero(dead).tolist() if joints.followed.any() else ():
+        found = f"a command that goes through {runs.asked[:, pair].max():.3g}"
+        expected = f"one that {joints.column(pair)} follows: it moves by {runs.moved[:, pair].max():.3g} at most"
+        mend = "Is its motor off, or its sensor broken? Nothing can be learned of it"
+        yield Fault(DATA_DIR, joints.dim(pair), found, expected, mend)
+
+
 COMMAND = Check("command", "where a robot moves, its command is recorded", "warning")
 
 
@@ -243,8 +345,7 @@ def commands_are_recorded(joints: Joints) -> Iterator[Answer]:
     """Does a command stand still while its joint moves as far as it does elsewhere, or as other joints do?"""
     runs = joints.runs
     usual = _median(runs.moved, joints.judged)
-    driven = usual[joints.followed & np.isfinite(usual)]
-    usual = np.where(np.isfinite(usual), usual, np.median(driven) if len(driven) else np.nan)
+    usual = np.where(np.isfinite(usual), usual, np.nanmedian(usual) if np.isfinite(usual).any() else runs.moved.max())
     wrong = (runs.asked == 0) & (runs.moved > _MOVES * usual) & (runs.n >= MIN_FRAMES)[:, None]
 
     def said(run: int, pair: int) -> tuple[str, str, str]:
@@ -257,16 +358,25 @@ def commands_are_recorded(joints: Joints) -> Iterator[Answer]:
 
 @COMMAND.of(Joints)
 def commands_are_no_copies(joints: Joints) -> Iterator[Answer]:
-    """Is the action nothing but the state in some episodes, while it is a command in the others?"""
-    copied = (joints.runs.copied > 0) & joints.judged
-    whole = copied.sum(axis=1) >= np.maximum(joints.judged.sum(axis=1), 1)
+    """Is the action nothing but the state, in all episodes or in some, or for a while?"""
+    runs = joints.runs
     moves = joints.judged.any(axis=1)
-    if not 0 < whole[moves].sum() <= 0.6 * moves.sum():
-        return
-    numbers = joints.number[whole]
-    mend = "Was the robot led by hand there? Then no command was recorded"
-    found = "the state itself, bit for bit"
-    yield Fault(DATA_DIR, f"{ACTION} in {episodes_named(numbers.tolist())}", found, "a command, as in the others", mend)
+    for what, copies in (("in the same frame", runs.copied), ("in the next frame", runs.foretold)):
+        share = np.where(joints.judged, copies, np.nan)[moves]
+        if not moves.any() or not np.isfinite(share).any():
+            return
+        least = np.nanmin(share, axis=1)  # of all joints that move
+        usual = float(np.quantile(least, 0.5, method="lower"))
+        if usual > 1 - _COPIED and what == "in the same frame":
+            mend = "A policy learns to stay where it is: the command was not recorded"
+            yield Fault(DATA_DIR, ACTION, f"the state {what}, bit for bit", "a command, which comes before it", mend)
+        wrong = least > _COPIED if usual < _COPIED / 3 else least < -1
+        if wrong.any():
+            numbers = joints.number[moves][wrong].tolist()
+            found = f"the state {what}, bit for bit, in {least[wrong].max():.0%} of the frames in which it changes"
+            mend = "Was the robot led by hand there, or was no command recorded?"
+            where = f"{ACTION} in {episodes_named(numbers)}"
+            yield Fault(DATA_DIR, where, found, "a command, as in the other episodes", mend, episodes=tuple(numbers))
 
 
 def _told(joints: Joints, wrong: Bools, said: Callable[[int, int], tuple[str, str, str]]) -> Iterator[Answer]:
@@ -277,13 +387,22 @@ def _told(joints: Joints, wrong: Bools, said: Callable[[int, int], tuple[str, st
         run = int(together.argmax())
         pair = int(np.where(wrong[run], joints.runs.explained[run], -1).argmax())
         found, expected, mend = said(run, pair)
-        where = f"{ACTION} in {episodes_named(joints.number[together].tolist())}"
-        yield Fault(DATA_DIR, where, f"{found}{_of_joints(wrong[run])}", expected, mend)
+        yield _in_episodes(ACTION, joints.number[together], f"{found}{_of_joints(wrong[run])}", expected, mend)
     alone = wrong & ~together[:, None]
     for pair in np.flatnonzero(alone.any(axis=0)).tolist():
         found, expected, mend = said(int(alone[:, pair].argmax()), pair)
-        where = f"{joints.dim(pair)} in {episodes_named(joints.number[alone[:, pair]].tolist())}"
-        yield Fault(DATA_DIR, where, found, expected, mend)
+        yield _in_episodes(joints.dim(pair), joints.number[alone[:, pair]], found, expected, mend)
+
+
+def _in_episodes(what: str, numbers: Ints, found: str, expected: str, mend: str) -> Fault:
+    episodes = tuple(dict.fromkeys(numbers.tolist()))
+    return Fault(DATA_DIR, f"{what} in {episodes_named(episodes)}", found, expected, mend, episodes)
+
+
+def _near(factor: Floats, other: float, times: float) -> Bools:
+    """Say where a factor is within so many times of another one."""
+    near: Bools = (factor > other / times) & (factor < other * times)
+    return near
 
 
 def _median(values: Floats, where: Bools) -> Floats:

@@ -1,7 +1,7 @@
 """How does each column go from frame to frame? Summed up for each run of frames, so that no file stays in memory."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -11,7 +11,8 @@ from z2r.format.schema import ACTION
 _STILL = 6  # frames: a shorter rest tells nothing
 _AFTER = 5  # frames after a leap, with which it is compared
 _MARKS = 12  # frames of a run, evenly from its start, which tell one demonstration from another
-_MARK_EVERY = 8  # frames
+_TURNS, _A_TURN = (2 * np.pi, 360.0), 0.05  # rad and deg; of it: so much may come to it in one frame
+_MARK_EVERY = 0.27  # s
 
 
 class RunSteps(NamedTuple):
@@ -21,26 +22,37 @@ class RunSteps(NamedTuple):
     ----------
     largest, at : ndarray
         The largest step, and the frame of its run to which it leads.
-    squares : ndarray
-        The sum of the squares of all steps.
-    noise, alternates : ndarray
-        The sum of the squares of the third differences, and of the products of each with the next: white noise of a
-        standard deviation s gives 20 s² a frame and -15 s² a frame, and smooth motion far less.
-    stall, stall_at, stall_length : ndarray
-        How many times as far as in the frames thereafter a column leaps after a rest, while it goes on moving; the
-        frame to which it leaps; and how many frames it rested.
+    path : ndarray
+        The sum of the sizes of all steps.
+    moves : ndarray
+        How many frames differ from the one before.
+    at_low, at_high : ndarray
+        In how many frames it is at its lowest, and at its highest value, bit for bit.
+    noise : ndarray
+        The sum of the sizes of the third differences: white noise of a standard deviation s gives 3.6 s a frame, smooth
+        motion far less, and one leap counts as one.
+    jerks, alternates : ndarray
+        The sum of their squares, and of the products of each with the next: of white noise, -3/4 of the former.
+    stall, stall_leap, stall_at, stall_length : ndarray
+        How many times as far as in the frames thereafter a column leaps after a rest, while it goes on moving; how far;
+        the frame to which it leaps; and how many frames it rested.
     repeated : ndarray, float64[n_runs, 1]
         How many frames repeat the one before, in all columns, between two that do not.
     marks : ndarray, float64[n_runs, 12 * size]
-        Some frames, one in eight: what tells a demonstration from another. NaN beyond its end.
+        Some frames, a quarter of a second apart: what tells a demonstration from another. NaN beyond its end.
     """
 
     largest: Floats
     at: Floats
-    squares: Floats
+    path: Floats
+    moves: Floats
+    at_low: Floats
+    at_high: Floats
     noise: Floats
+    jerks: Floats
     alternates: Floats
     stall: Floats
+    stall_leap: Floats
     stall_at: Floats
     stall_length: Floats
     repeated: Floats
@@ -52,18 +64,36 @@ def moves(name: str) -> bool:
     return name.startswith(("observation", ACTION))
 
 
-def run_steps(values: Array, starts: Ints) -> RunSteps:
+def is_a_turn(steps: Floats, spans: Floats | float) -> Bools:
+    """Say where an angle goes on at the other end of its range: a step of a whole turn, through a range as wide.
+
+    Parameters
+    ----------
+    steps : ndarray, float64[..., size]
+        From one frame to the next.
+    spans : ndarray, float64[size], or float
+        From the smallest to the largest value of each column.
+
+    Examples
+    --------
+    >>> is_a_turn(np.array([359.0, 359.0, 6.2]), spans=np.array([360.0, 2000.0, 100.0])).tolist()
+    [True, False, False]
+    """
+    turns = [(np.abs(steps - turn) < _A_TURN * turn) & (np.abs(spans - turn) < _A_TURN * turn) for turn in _TURNS]
+    a_turn: Bools = np.logical_or(*turns)
+    return a_turn
+
+
+def run_steps(values: Array, starts: Ints, fps: float) -> RunSteps:
     """Sum up one feature for each run; a run begins at each of `starts` and ends where the next begins."""
     run = np.repeat(np.arange(len(starts)), np.diff(np.append(starts, len(values))))
     moving = np.zeros(len(values), dtype=bool)
     columns = []
     for column in values.T:
-        steps = np.diff(column.astype(np.float64), prepend=0.0)
-        steps[starts] = 0
-        moving |= steps != 0
-        columns.append(_column_steps(steps, run, starts))
+        columns.append(_column_steps(column.astype(np.float64), run, starts))
+        moving[1:] |= column[1:] != column[:-1]
     stacked = {name: np.stack([column[name] for column in columns], axis=1) for name in columns[0]}
-    return RunSteps(**stacked, repeated=_repeated(moving, starts)[:, None], marks=_marks(values, starts))
+    return RunSteps(**stacked, repeated=_repeated(moving, starts)[:, None], marks=_marks(values, starts, fps))
 
 
 def join_steps(parts: Sequence[RunSteps]) -> RunSteps:
@@ -71,7 +101,9 @@ def join_steps(parts: Sequence[RunSteps]) -> RunSteps:
     return RunSteps(*(np.concatenate(each) for each in zip(*parts, strict=True)))
 
 
-def _column_steps(steps: Floats, run: Ints, starts: Ints) -> dict[str, Floats]:
+def _column_steps(values: Floats, run: Ints, starts: Ints) -> dict[str, Any]:
+    steps = np.diff(values, prepend=0.0)
+    steps[starts] = 0
     size = np.abs(steps)
     largest = np.maximum.reduceat(size, starts)
     at = np.zeros(len(starts))
@@ -81,22 +113,23 @@ def _column_steps(steps: Floats, run: Ints, starts: Ints) -> dict[str, Floats]:
     third[3:] = steps[3:] - 2 * steps[2:-1] + steps[1:-2]
     for place in range(3):
         third[np.minimum(starts + place, len(steps) - 1)] = 0  # which would reach into the run before
-    stall, stall_at, stall_length = _stalls(size, run, starts)
     return {
         "largest": largest,
         "at": at,
-        "squares": np.add.reduceat(np.square(steps), starts),
-        "noise": np.add.reduceat(np.square(third), starts),
+        "path": np.add.reduceat(size, starts),
+        "moves": np.add.reduceat((steps != 0).astype(np.float64), starts),
+        "at_low": np.add.reduceat((values == np.minimum.reduceat(values, starts)[run]).astype(np.float64), starts),
+        "at_high": np.add.reduceat((values == np.maximum.reduceat(values, starts)[run]).astype(np.float64), starts),
+        "noise": np.add.reduceat(np.abs(third), starts),
+        "jerks": np.add.reduceat(np.square(third), starts),
         "alternates": np.add.reduceat(third * np.append(third[1:], 0.0), starts),
-        "stall": stall,
-        "stall_at": stall_at,
-        "stall_length": stall_length,
+        **_stalls(size, run, starts),
     }
 
 
-def _stalls(size: Floats, run: Ints, starts: Ints) -> tuple[Floats, Floats, Floats]:
+def _stalls(size: Floats, run: Ints, starts: Ints) -> dict[str, Floats]:
     """Find the worst leap after a rest in each run, by how far it goes compared with the largest step soon after it."""
-    worst, at, length = np.zeros(len(starts)), np.zeros(len(starts)), np.zeros(len(starts))
+    found = {name: np.zeros(len(starts)) for name in ("stall", "stall_leap", "stall_at", "stall_length")}
     moves = np.flatnonzero(size)
     before = np.maximum(np.concatenate([[-1], moves[:-1]])[: len(moves)], starts[run[moves]])
     rest = moves - before - 1
@@ -109,11 +142,14 @@ def _stalls(size: Floats, run: Ints, starts: Ints) -> tuple[Floats, Floats, Floa
     ratio[(after > 0).sum(axis=1) < _AFTER - 1] = 0  # it does not go on: a switch
     order = np.argsort(ratio, kind="stable")  # the worst of each run is written last
     frames, where = frames[order], run[frames[order]]
-    worst[where], at[where], length[where] = ratio[order], frames - starts[where], rest[order]
-    return worst, at, length
+    worst = ratio[order], size[frames], frames - starts[where], rest[order]
+    for name, values in zip(found, worst, strict=True):
+        found[name][where] = values
+    return found
 
 
 def _repeated(moving: Bools, starts: Ints) -> Floats:
+    moving[starts] = False
     between = np.zeros(len(moving))
     between[1:-1] = ~moving[1:-1] & moving[:-2] & moving[2:]
     between[starts] = 0
@@ -121,9 +157,10 @@ def _repeated(moving: Bools, starts: Ints) -> Floats:
     return repeated
 
 
-def _marks(values: Array, starts: Ints) -> Floats:
+def _marks(values: Array, starts: Ints, fps: float) -> Floats:
     stops = np.append(starts[1:], len(values))
-    rows = starts[:, None] + _MARK_EVERY * np.arange(_MARKS)  # (n_runs, 12)
+    rows = starts[:, None] + max(1, round(_MARK_EVERY * fps)) * np.arange(_MARKS)  # (n_runs, 12)
     marks = values[np.minimum(rows, len(values) - 1)].astype(np.float64)  # (n_runs, 12, size)
     marks[rows >= stops[:, None]] = np.nan
-    return marks.reshape(len(starts), -1)
+    flat: Floats = marks.reshape(len(starts), -1)
+    return flat

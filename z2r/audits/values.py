@@ -19,7 +19,7 @@ from z2r.format.tables import STATS_PATH, read_shard_statistics
 from z2r.reading.scene import FROZEN
 
 UNIT_TOLERANCE = 0.01  # of sin² + cos²: rounding to three digits stays within
-JUMP = 10  # times the step that is usual: no sensor of a moving robot was seen to do that by itself
+_FURTHER = 10  # times the step that is usual: no sensor of a moving robot was seen to do that by itself
 
 _MIN_EPISODES = 5  # from fewer nothing can be said about what is usual
 _LONG = 20  # frames: a sensor may well stand still for less
@@ -52,7 +52,10 @@ def unit_circle(frames: FileFrames) -> Iterator[Answer]:
                 yield Fault(frames.path, place, found, "1: a sine and its cosine", episodes=named)
 
 
-@Check("jump", "no value leaps away and back, many times further than it moves elsewhere", "warning").of(Runs)
+JUMP = Check("jump", "no value leaps away and back, many times further than it moves elsewhere", "warning")
+
+
+@JUMP.of(Runs)
 def jump(runs: Runs) -> Iterator[Answer]:
     """Does a value leap away and back?"""
     for name, stats in runs.stats.items():
@@ -173,7 +176,7 @@ def jumps(name: str, feature: Feature, stats: RunStats, numbers: Ints) -> Iterat
         return
     usual = np.median(stats.step[moving], axis=0)
     a_turn = np.isclose(stats.spike, 2 * np.pi, rtol=0.01) | np.isclose(stats.spike, 360, rtol=0.01)
-    wrong = (stats.spike > JUMP * usual) & (usual > 0) & ~a_turn
+    wrong = (stats.spike > _FURTHER * usual) & (usual > 0) & ~a_turn
     for column in np.flatnonzero(wrong.any(axis=0)).tolist():
         run = int(np.where(wrong, stats.spike, 0)[:, column].argmax())
         found = f"a leap of {stats.spike[run, column]:.3g} away and back{and_more(wrong[:, column])}"
