@@ -193,16 +193,17 @@ def _fold_file(
         frames = FileFrames(claims, schema, tasks, read_data_file(root, schema, claims.path))
         findings = [_of_the_file(each, claims) for each in ask(asked_of(FileFrames, PARTS), frames)]
         if not frames.read.n_rows:
-            return FileSums(frames.read.n_rows, findings, nothing, None, {}, None, None, None, {})
+            return FileSums(frames.read.n_rows, findings, nothing, None, nothing, {}, None, None, None, {})
         number, starts = frames.counts.get("episode_index"), frames.run_starts
         stats = {name: run_stats(signal, starts) for name, signal in frames.signals.items()}
         numbers, scene_sums = None if number is None else number[starts], _fold_scene(scene, frames, reading, findings)
         said = fold_labels(frames, reading)
         following = fold_following(pairs_of(schema), frames.read.frames, starts)
         steps = {name: run_steps(signal, starts, schema.fps) for name, signal in frames.signals.items() if moves(name)}
-        return FileSums(frames.read.n_rows, findings, starts, numbers, stats, said, scene_sums, following, steps)
+        tasks = frames.counts["task_index"][starts] if "task_index" in frames.counts else np.full(len(starts), -1)
+        return FileSums(frames.read.n_rows, findings, starts, numbers, tasks, stats, said, scene_sums, following, steps)
     except Exception as error:
-        return FileSums(None, [failed(claims.path.as_posix(), error)], nothing, None, {}, None, None, None, {})
+        return FileSums(None, [failed(claims.path.as_posix(), error)], nothing, None, nothing, {}, None, None, None, {})
 
 
 def _of_the_file(finding: Finding, claims: FileClaims) -> Finding:

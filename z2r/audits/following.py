@@ -175,16 +175,17 @@ def _fold_pair(pairs: Sequence[Pair], place: int, columns: Columns, starts: Ints
         asked, seen = _unwound(asked), _unwound(seen)
     usual = _usual_lag(asked, seen, starts, stops)
     kind, lag = (usual.kind, usual.lag) if usual else (0, 0)
+    fit = _fit_runs(asked, _change(seen, starts) if kind else seen, starts, stops, lag)
     nothing = np.full(len(starts), np.nan)
     found = {
         "asked": np.maximum.reduceat(asked, starts) - np.minimum.reduceat(asked, starts),
         "moved": np.maximum.reduceat(seen, starts) - np.minimum.reduceat(seen, starts),
         "kind": np.full(len(starts), float(kind)),
         **{name: np.full(len(starts), getattr(usual, name, np.nan), dtype=np.float64) for name in _LAGS},
-        **_fit_runs(asked, _change(seen, starts) if kind else seen, starts, stops, lag),
+        **fit,
         "other": nothing.copy(),
         "other_explained": nothing.copy(),
-        **_stray(asked, seen, starts, stops, usual),
+        **_stray(asked, seen, starts, stops, usual, _usual_factor(fit)),
         **turns,
         **_copied(asked, seen, starts),
     }
@@ -221,13 +222,20 @@ def _copied(asked: Floats, seen: Floats, starts: Ints) -> dict[str, Floats]:
     return {name: np.add.reduceat((changes & each).astype(np.float64), starts) / n for name, each in same.items()}
 
 
-def _stray(asked: Floats, seen: Floats, starts: Ints, stops: Ints, usual: _Lag | None) -> dict[str, Floats]:
+def _usual_factor(fit: dict[str, Floats]) -> float:
+    well = fit["explained"] > _POOR
+    return float(np.median(fit["factor"][well])) if well.any() else 1.0
+
+
+def _stray(
+    asked: Floats, seen: Floats, starts: Ints, stops: Ints, usual: _Lag | None, factor: float
+) -> dict[str, Floats]:
     """Say how far beside its command a column comes to be in the worst second of each run."""
     worst, at = np.full(len(starts), np.nan), np.full(len(starts), np.nan)
     if usual is None or usual.kind:
         return {"beside": worst, "beside_at": at}
     lag = usual.lag
-    beside = asked - np.roll(seen, -lag)
+    beside = asked - factor * np.roll(seen, -lag)
     total = np.concatenate([[0.0], np.cumsum(beside - np.median(beside))])
     mean = np.abs(total[_SECOND:] - total[:-_SECOND]) / _SECOND  # of the frames from each on
     first, last = starts + max(-lag, 0), stops - max(lag, 0) - _SECOND

@@ -23,7 +23,7 @@ from z2r.reading.stored import episodes_named
 _LITTLE = 0.05  # of a command's range: a shorter way tells nothing
 _SOME = 0.34  # of the runs: a fault may be in half of them
 _WELL = 0.9  # share of a command's variance: a column that explains more follows well
-_FRAMES = 3  # between two lags, at least: teleoperation jitters by one or two
+_FRAMES = 4  # between two lags, at least: teleoperation jitters by one or two
 _APART = 6  # frames between one joint and the others: some joints are slower
 _SCALE = 1.6  # times: what holds a joint back makes a factor look so much larger at most
 _MOVES = 0.3  # of what is usual: less motion tells nothing
@@ -31,7 +31,7 @@ _VERY_WELL = 0.985  # explained: then a factor is known to a few percent
 _SCALE_WELL = 1.12  # times
 _GEARED = 1.18  # times the scale of the other joints
 _FAR = 5  # times: no contact makes a factor look so much larger
-_BESIDE_FOR_A_WHILE = 4  # times as far as in the others, in the worst second
+_BESIDE_FOR_A_WHILE = 4  # times as far as in the others, for how far the command goes, in the worst second
 _ALWAYS_BESIDE = 0.1  # of a joint's range
 _DEAD = 0.02  # of its command
 _COPIED = 0.1  # of the frames in which a command changes
@@ -166,7 +166,7 @@ def joints_have_the_unit_of_their_command(joints: Joints) -> Iterator[Answer]:
             Fault(DATA_DIR, ACTION, found, "the same unit of both", "A policy need not care, whoever reads it must"),
         )
         return
-    middle = np.median(usual["factor"][plain]) if plain.sum() > 2 else np.nan
+    middle = float(np.median(usual["factor"][plain])) if plain.any() else 1.0
     geared = plain & (usual["explained"] > _VERY_WELL) & ~_near(usual["factor"], middle, _GEARED)
     for pair in np.flatnonzero(known & (geared | ~plain)).tolist():
         factor, others = usual["factor"][pair], int(plain.sum() - plain[pair])
@@ -311,16 +311,18 @@ def joints_follow_in_every_episode(joints: Joints) -> Iterator[Answer]:
 def joints_follow_all_the_time(joints: Joints) -> Iterator[Answer]:
     """Is a joint far beside its command for a while, as in no other episode?"""
     runs, usual = joints.runs, joints.usual
-    known = joints.judged & joints.followed & np.isfinite(runs.beside) & (usual["explained"] > _WELL)
-    calm = _median(runs.beside, known)
-    wrong = known & (runs.beside > _BESIDE_FOR_A_WHILE * calm) & (runs.beside > _BESIDE * joints.ranges)
+    known = joints.judged & joints.followed & np.isfinite(runs.beside) & (usual["explained"] > _VERY_WELL)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = runs.beside / runs.asked  # who goes far at once is far behind for a while
+    calm = _median(share, known)
+    wrong = known & (share > _BESIDE_FOR_A_WHILE * calm) & (runs.beside > _BESIDE * joints.ranges)
     wrong &= (known.sum(axis=0) >= 3) & (wrong.sum(axis=0) < 0.6 * known.sum(axis=0))
 
     def said(run: int, pair: int) -> tuple[str, str, str]:
         where = f"{joints.column(pair)} from frame {runs.beside_at[run, pair]:.0f} on"
         found = f"{runs.beside[run, pair]:.3g} beside {where}, for about a second"
         mend = "Did something hold it, did it slip, or does its sensor or its command hang there?"
-        return found, f"at most {calm[pair]:.3g}, as in the other episodes", mend
+        return found, f"about {calm[pair] * runs.asked[run, pair]:.3g} at most, as in the other episodes", mend
 
     yield from _told(joints, wrong, said)
 

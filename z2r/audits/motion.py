@@ -1,6 +1,7 @@
 """Does every column move as it does in the other episodes? No command is needed, and nothing is declared."""
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from z2r.format.schema import ACTION, STATE
 from z2r.reading.stored import episodes_named
 
 _LEAP = 20  # times the mean step of its own episode: a joint that starts or stops suddenly comes to half of it
+_ALONE = 3  # times the steps before and after it
 _SMOOTH = 12  # times the mean step: a command that goes from setpoint to setpoint leaps further
 _USUAL = 5  # times what is usual in the calmer quarter of the episodes
 _SHARE = 0.05  # of a column's range
@@ -24,7 +26,7 @@ _SELDOM = 0.1  # of the frames
 _MOST = 0.8  # of the episodes
 _END = 3  # frames
 _STALL = 6  # times the steps thereafter
-_NOISE = 2.5  # times the usual standard deviation
+_NOISE = 3  # times the usual standard deviation
 _NOISE_A_FRAME = 3.57  # what third differences of white noise come to, on average: sqrt(20 * 2 / pi)
 _ALTERNATES = -0.4  # of the squares: white noise comes to -0.75, and motion to more than 0
 _ROUGH = 3  # times as rough as usual for its speed
@@ -34,11 +36,13 @@ _IDLE = 0.05  # of the usual motion
 _HOMES = 5  # episodes, from which one can be told to begin elsewhere
 _HOMES_APART = 6  # times as far as the episodes of one place are from each other
 _FAR_HOME = 0.08  # of a column's range
+_AWAY = 4  # steps: what gets there in fewer is a velocity, and may begin anywhere
 _FEW = 0.2  # of the episodes
 _CLIPPED = 0.02  # of the frames
 _TICK = 0.0005  # of a column's range: less is the tick of an encoder
 _NEAR = 0.12  # of the distance that is usual between two demonstrations
 _COMMON = 6  # marks that two demonstrations must have to be compared
+_MOVED, _TELLING = 0.05, 10  # of its spread, a column; so often, or two copies are by chance
 _NEIGHBOURS = 64  # demonstrations, with which each is compared
 _MAX_COMPARED = 20_000  # demonstrations
 
@@ -53,7 +57,8 @@ def nothing_leaps(runs: Runs) -> Iterator[Answer]:
         ratio, continuous = _leap_ratio(runs, name), _continuous(runs, name)
         calm = _quarter(steps.largest)
         wrong: Bools = (ratio > _LEAP) & (steps.largest > _USUAL * calm) & continuous & (calm > 0)
-        wrong &= _quarter(ratio) < _SMOOTH
+        wrong &= (_quarter(ratio) < _SMOOTH) & (steps.largest > _ALONE * steps.around)
+        wrong &= steps.repeated < _SOME_REPEATED * runs.n_frames[:, None]
         wrong &= ~is_a_turn(steps.largest, runs.spans(name))
         if wrong.any():
             run, column = _worst(wrong, ratio)
@@ -73,6 +78,8 @@ def nothing_leaps_and_comes_back(runs: Runs) -> Iterator[Answer]:
         spike, continuous = runs.stats[name].spike, _continuous(runs, name)
         ratio = _leap_ratio(runs, name) * np.divide(spike, steps.largest, out=np.zeros_like(spike), where=spike > 0)
         wrong = (ratio > _LEAP) & (spike > _SHARE * runs.spans(name)) & continuous & ~is_a_turn(spike, runs.spans(name))
+        if name == ACTION:  # a policy may well say what no robot can do
+            wrong &= (_quarter(ratio) < _SMOOTH) & (ratio > 1.5 * _LEAP)
         if wrong.any():
             run, column = _worst(wrong, ratio)
             where = _where(runs, wrong, run, steps.at[run, column])
@@ -190,21 +197,21 @@ def episodes_begin_at_one_place(runs: Runs) -> Iterator[Answer]:
         return
     size = runs.claims.schema.features[STATE].size
     first = runs.steps[STATE].marks[:, :size]  # (n_runs, size)
-    ranges = runs.spans(STATE)
-    for column in np.flatnonzero(ranges > 0).tolist():
+    ranges, step = runs.spans(STATE), np.quantile(runs.steps[STATE].largest, 0.9, axis=0)
+    for column in np.flatnonzero(_continuous(runs, STATE)).tolist():
         order = np.argsort(first[:, column], kind="stable")
         gaps = np.diff(first[order, column])
         cut = int(gaps.argmax()) + 1
         groups = (order[:cut], order[cut:])
         few = min(groups, key=len)
         spread = max(float(np.ptp(first[group, column])) for group in groups)
-        if (
-            gaps[cut - 1] < _HOMES_APART * max(spread, _TICK * ranges[column])
-            or gaps[cut - 1] < _FAR_HOME * ranges[column]
-        ):
+        far = max(_HOMES_APART * spread, _FAR_HOME * ranges[column], _AWAY * step[column])
+        if gaps[cut - 1] < far:
             continue
         wrong = np.zeros(len(runs.number), dtype=bool)
         wrong[few] = True
+        if not np.isin(runs.task[wrong], runs.task[~wrong]).any():
+            continue  # one task may begin where another does not
         here, there = float(np.median(first[wrong, column])), float(np.median(first[~wrong, column]))
         mend = "Was it calibrated anew, is a sign, a unit or an order another one, or does an episode begin too late?"
         place = f"{_dim(runs, STATE, column)} in {_named(runs, wrong)}"
@@ -234,7 +241,7 @@ def nothing_is_clipped(runs: Runs) -> Iterator[Answer]:
                 there = mine == mine.max()
                 share = at[there, column].sum() / runs.n_frames.sum()
                 by = its.max() - mine.max()
-                if share > _CLIPPED and there.sum() > 1 and by > _SHARE * runs.spans(one)[column]:
+                if share > _CLIPPED and there.sum() > 2 and by > _SHARE * runs.spans(one)[column]:
                     found = f"{mine.max() * sign:.4g} in {share:.0%} of all frames, the {end}est value"
                     expected = f"as far as {_dim(runs, other, beyond)} goes: {its.max() * sign:.4g}"
                     mend = "A limit of the joint is no fault; a limit of the recording hides where it was"
@@ -277,7 +284,8 @@ def _nearest(steps: RunSteps, size: int) -> tuple[Floats, Ints]:
         apart = np.square(marks[one] - marks[other]).mean(axis=2)  # (n, n_marks)
         common = np.isfinite(apart).sum(axis=1)
         far = np.sqrt(np.nansum(apart, axis=1) / np.maximum(common, 1))
-        far[common < _COMMON] = np.nan
+        common_moves = (np.abs(np.diff(marks[one], axis=1)) > _MOVED).sum(axis=(1, 2))
+        far[(common < _COMMON) | (common_moves < _TELLING)] = np.nan
         for mine, its in ((one, other), (other, one)):
             closer = far < np.where(np.isnan(distance[mine]), np.inf, distance[mine])
             distance[mine[closer]], neighbour[mine[closer]] = far[closer], its[closer]
@@ -323,8 +331,7 @@ def _so_in(wrong: Bools) -> str:
 
 
 def _where(runs: Runs, wrong: Bools, run: int, frame: float) -> str:
-    episodes: Bools = wrong.any(axis=1)
-    return f"episode {runs.number[run]}, frame {frame:.0f}{and_more(episodes)}"
+    return f"episode {runs.number[run]}, frame {frame:.0f}{and_more(np.atleast_1d(wrong.any(axis=1)))}"
 
 
 def _fault(runs: Runs, place: str, wrong: Bools, found: str, expected: str, mend: str) -> Fault:
@@ -333,7 +340,7 @@ def _fault(runs: Runs, place: str, wrong: Bools, found: str, expected: str, mend
     return Fault(DATA_DIR, place, found, expected, mend, tuple(dict.fromkeys(episodes)))
 
 
-def _named(runs: Runs, wrong: Bools) -> str:
+def _named(runs: Runs, wrong: Any) -> str:
     return episodes_named(runs.number[wrong].tolist())
 
 

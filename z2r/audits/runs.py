@@ -27,6 +27,8 @@ class FileSums(NamedTuple):
         The first row of each run of frames with one `episode_index`.
     numbers : ndarray, int64[n_runs], or None
         Their `episode_index`.
+    tasks : ndarray, int64[n_runs]
+        Their first `task_index`; -1 where it cannot be used.
     stats : dict of str to RunStats
         Of each numeric feature.
     labels : FileLabels or None
@@ -43,6 +45,7 @@ class FileSums(NamedTuple):
     findings: list[Finding]
     starts: Ints
     numbers: Ints | None
+    tasks: Ints
     stats: dict[str, RunStats]
     labels: FileLabels | None
     scene: Any
@@ -61,6 +64,8 @@ class Runs(NamedTuple):
         Their `episode_index`, their first frame, and one past their last, counted over the whole dataset.
     file_number : ndarray, int64[n_runs]
         Which data file they are in.
+    task : ndarray, int64[n_runs]
+        Their first `task_index`; -1 where it cannot be used.
     read : list of int
         The data files that could be read.
     stats : dict of str to RunStats
@@ -74,6 +79,7 @@ class Runs(NamedTuple):
     start: Ints
     stop: Ints
     file_number: Ints
+    task: Ints
     read: list[int]
     stats: dict[str, RunStats]
     steps: dict[str, RunSteps]
@@ -106,6 +112,7 @@ def join_runs(claims: Claims, files: Sequence[FileClaims], sums: Sequence[FileSu
         start=np.concatenate([base + part.starts for base, part in parts]),
         stop=np.concatenate([base + np.append(part.starts[1:], part.n_rows or 0) for base, part in parts]),
         file_number=np.repeat(read, [len(part.starts) for _, part in parts]),
+        task=np.concatenate([part.tasks for _, part in parts]),
         read=read,
         stats={name: joined([part.stats[name] for _, part in parts]) for name in shared},
         steps={name: join_steps([part.steps[name] for _, part in parts]) for name in shared if name in moved},

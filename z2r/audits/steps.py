@@ -20,8 +20,8 @@ class RunSteps(NamedTuple):
 
     Attributes
     ----------
-    largest, at : ndarray
-        The largest step, and the frame of its run to which it leads.
+    largest, at, around : ndarray
+        The largest step, the frame of its run to which it leads, and the larger one of the steps before and after it.
     path : ndarray
         The sum of the sizes of all steps.
     moves : ndarray
@@ -44,6 +44,7 @@ class RunSteps(NamedTuple):
 
     largest: Floats
     at: Floats
+    around: Floats
     path: Floats
     moves: Floats
     at_low: Floats
@@ -106,9 +107,11 @@ def _column_steps(values: Floats, run: Ints, starts: Ints) -> dict[str, Any]:
     steps[starts] = 0
     size = np.abs(steps)
     largest = np.maximum.reduceat(size, starts)
-    at = np.zeros(len(starts))
+    at, around = np.zeros(len(starts)), np.zeros(len(starts))
     hits = np.flatnonzero(size == largest[run])[::-1]  # the first of each run is written last
     at[run[hits]] = hits - starts[run[hits]]
+    after = np.where(run[np.minimum(hits + 1, len(run) - 1)] == run[hits], size[np.minimum(hits + 1, len(run) - 1)], 0)
+    around[run[hits]] = np.maximum(size[np.maximum(hits - 1, 0)], after)  # of the first frame of a run it is 0
     third = np.zeros(len(steps))
     third[3:] = steps[3:] - 2 * steps[2:-1] + steps[1:-2]
     for place in range(3):
@@ -116,6 +119,7 @@ def _column_steps(values: Floats, run: Ints, starts: Ints) -> dict[str, Any]:
     return {
         "largest": largest,
         "at": at,
+        "around": around,
         "path": np.add.reduceat(size, starts),
         "moves": np.add.reduceat((steps != 0).astype(np.float64), starts),
         "at_low": np.add.reduceat((values == np.minimum.reduceat(values, starts)[run]).astype(np.float64), starts),
@@ -127,7 +131,7 @@ def _column_steps(values: Floats, run: Ints, starts: Ints) -> dict[str, Any]:
     }
 
 
-def _stalls(size: Floats, run: Ints, starts: Ints) -> dict[str, Floats]:
+def _stalls(size: Floats, run: Ints, starts: Ints) -> dict[str, Any]:
     """Find the worst leap after a rest in each run, by how far it goes compared with the largest step soon after it."""
     found = {name: np.zeros(len(starts)) for name in ("stall", "stall_leap", "stall_at", "stall_length")}
     moves = np.flatnonzero(size)
