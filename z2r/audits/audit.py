@@ -17,13 +17,15 @@ import numpy as np
 from msgspec.structs import replace
 
 from z2r.arrays import Ints, Progress, no_progress
-from z2r.audits import index, labels, structure, values
+from z2r.audits import index, labels, readiness, stats, structure, tasks, values
 from z2r.audits.claims import Claims, NoSchema, Stored, claims_under, read_claims
 from z2r.audits.findings import AUDIT, Finding, ask, failed
 from z2r.audits.frames import FileClaims, FileFrames, file_claims, run_stats
 from z2r.audits.labels import Labels, fold_labels, join_labels
+from z2r.audits.readiness import standstill
 from z2r.audits.runs import FileSums, Runs, join_runs
-from z2r.check import Check, asked_of, parts_in
+from z2r.audits.tasks import fold_tasks
+from z2r.check import SEVERITIES, Check, asked_of, parts_in
 from z2r.errors import DatasetError, some
 from z2r.format.dataset import in_order
 from z2r.format.schema import MAX_SIGNAL_SIZE, Schema
@@ -36,7 +38,7 @@ from z2r.reading.stored import label_in
 
 MAX_OF_A_CHECK = 5  # findings in detail: a fault that is in every file would hide the others
 
-PARTS = parts_in(structure, index, values, labels)
+PARTS = parts_in(structure, index, tasks, values, stats, labels, readiness)
 """What every dataset is asked, in the order in which findings come."""
 
 
@@ -88,6 +90,12 @@ class Audit(msgspec.Struct, frozen=True):
             return 2
         return int(any(finding.severity != "note" for finding in self.findings))
 
+    @property
+    def of_all(self) -> tuple[str, ...]:
+        """The checks of which an error is about no episode in particular, and keeps none out of `kept`."""
+        errors = (each for each in self.findings if each.severity == "error" and not each.episodes)
+        return tuple(dict.fromkeys(each.check for each in errors))
+
     def to_dict(self, source: str) -> dict[str, Any]:
         """Return the audit as plain Python values for `z2r audit --json`; keys are added and never renamed.
 
@@ -111,7 +119,7 @@ class Audit(msgspec.Struct, frozen=True):
             "exit_code": self.exit_code,
             "n_episodes": self.n_episodes,
             "n_frames": self.n_frames,
-            **{f"n_{severity}s": counts[severity] for severity in ("error", "warning", "note")},
+            **{f"n_{severity}s": counts[severity] for severity in SEVERITIES},
             "findings": [msgspec.to_builtins(each) | {"episodes": [*each.episodes]} for each in self.findings],
             "more": self.more,
             "not_checked": list(self.not_checked),
@@ -173,7 +181,7 @@ def _fold_files(
     progress: Progress,
     executor: Executor | None,
 ) -> list[FileSums]:
-    work = partial(_fold_file, claims.root, claims.schema, claims.stored.tasks.value, claims.reading, scene)
+    work = partial(_fold_file, claims.root, claims.schema, claims.stored.task_numbers, claims.reading, scene)
     sums = []
     for part in in_order(work, files, executor):
         sums.append(part)
@@ -192,10 +200,10 @@ def _fold_file(
         if not frames.read.n_rows:
             return FileSums(frames.read.n_rows, findings, nothing, None, {}, None, None)
         number, starts = frames.counts.get("episode_index"), frames.run_starts
-        stats = {name: run_stats(signal, starts) for name, signal in frames.signals.items()}
+        signals = {name: run_stats(signal, starts) for name, signal in frames.signals.items()}
         numbers, scene_sums = None if number is None else number[starts], _fold_scene(scene, frames, reading, findings)
-        said = fold_labels(frames, reading)
-        return FileSums(frames.read.n_rows, findings, starts, numbers, stats, said, scene_sums)
+        said, idle, task_pairs = fold_labels(frames, reading), standstill(frames.signals, starts), fold_tasks(frames)
+        return FileSums(frames.read.n_rows, findings, starts, numbers, signals, said, scene_sums, idle, task_pairs)
     except Exception as error:
         return FileSums(None, [failed(claims.path.as_posix(), error)], nothing, None, {}, None, None)
 
@@ -300,11 +308,11 @@ def _without_error(numbers: Ints, findings: Iterable[Finding]) -> tuple[int, ...
 
 
 def _in_order(findings: Iterable[Finding], checks: Sequence[Check]) -> tuple[tuple[Finding, ...], dict[str, int]]:
-    """Sort findings by their checks, keep the first of each, and count the others."""
+    """Sort findings by their checks, the worst of each first; keep some of each, and count the others."""
     order = [check.name for check in checks]
     seen: Counter[str] = Counter()
     kept = []
-    for finding in sorted(findings, key=lambda finding: order.index(finding.check)):
+    for finding in sorted(findings, key=lambda each: (order.index(each.check), SEVERITIES.index(each.severity))):
         seen[finding.check] += 1
         if seen[finding.check] <= MAX_OF_A_CHECK:
             kept.append(finding)

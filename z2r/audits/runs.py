@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from z2r.arrays import Ints
+from z2r.arrays import Ints, join
 from z2r.audits.claims import Claims
 from z2r.audits.findings import Finding
 from z2r.audits.frames import FileClaims, RunStats, joined
@@ -31,6 +31,10 @@ class FileSums(NamedTuple):
         What success, reward and done say.
     scene : object
         What the scene made of it; None where there is none, or its columns are not there.
+    idle : ndarray, int64[n_runs, 2], or None
+        In how many frames nothing moves, in the beginning and in the end of each run.
+    tasks : ndarray, int64[n, 2], or None
+        Which runs have a frame of which task: pairs of a run and a `task_index`.
     """
 
     n_rows: int | None
@@ -40,6 +44,8 @@ class FileSums(NamedTuple):
     stats: dict[str, RunStats]
     labels: FileLabels | None
     scene: Any
+    idle: Ints | None = None
+    tasks: Ints | None = None
 
 
 class Runs(NamedTuple):
@@ -57,6 +63,8 @@ class Runs(NamedTuple):
         The data files that could be read.
     stats : dict of str to RunStats
         Of each feature that could be read in all of these files.
+    idle, tasks : as in `FileSums`
+        None where they are of some of these files.
     """
 
     claims: Claims
@@ -66,6 +74,8 @@ class Runs(NamedTuple):
     file_number: Ints
     read: list[int]
     stats: dict[str, RunStats]
+    idle: Ints | None
+    tasks: Ints | None
 
 
 def join_runs(claims: Claims, files: Sequence[FileClaims], sums: Sequence[FileSums]) -> Runs | None:
@@ -77,12 +87,21 @@ def join_runs(claims: Claims, files: Sequence[FileClaims], sums: Sequence[FileSu
         return None
     parts = [(files[number].base, sums[number]) for number in read]
     shared = [name for name in claims.schema.signals() if all(name in part.stats for _, part in parts)]
+    n_runs = np.array([len(part.starts) for _, part in parts])
+    firsts = np.cumsum(n_runs) - n_runs
     return Runs(
         claims=claims,
         number=np.concatenate(known),
         start=np.concatenate([base + part.starts for base, part in parts]),
         stop=np.concatenate([base + np.append(part.starts[1:], part.n_rows or 0) for base, part in parts]),
-        file_number=np.repeat(read, [len(part.starts) for _, part in parts]),
+        file_number=np.repeat(read, n_runs),
         read=read,
         stats={name: joined([part.stats[name] for _, part in parts]) for name in shared},
+        idle=join([part.idle for _, part in parts]),
+        tasks=join([_shifted(part.tasks, int(first)) for first, (_, part) in zip(firsts, parts, strict=True)]),
     )
+
+
+def _shifted(tasks: Ints | None, first_run: int) -> Ints | None:
+    """Count the runs of pairs of a run and a task on from those of the files before."""
+    return None if tasks is None else tasks + np.array([first_run, 0])
