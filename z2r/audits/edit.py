@@ -12,25 +12,16 @@ from pathlib import Path
 from z2r.format.store import in_full
 
 PROGRAM = "lerobot-edit-dataset"
-_MAX_LISTED = 50  # episodes in one line
-_MAX_TEXT = 200  # characters of a task in one line
+_MAX_LENGTH = 300  # of what a dataset may say in a line: nobody reads or types more
 
 
 def recompute_stats(root: Path) -> str:
-    """Return the line that copies a dataset, with statistics in `meta/stats.json` that are those of its data.
-
-    >>> recompute_stats(Path("/my data")).partition(" --root")[0]
-    'lerobot-edit-dataset --repo_id=my/own'
-    """
+    """Return the line that copies a dataset, with statistics in `meta/stats.json` that are those of its data."""
     return _line(root, "recompute_stats")
 
 
 def delete_episodes(root: Path, episodes: Sequence[int]) -> str:
-    """Return the line that copies a dataset without some of its episodes, or what to do where they are too many."""
-    if len(episodes) > _MAX_LISTED:
-        return (
-            f"{PROGRAM} with --operation.type=delete_episodes, which takes the `episodes` that `z2r audit --json` lists"
-        )
+    """Return the line that copies a dataset without some of its episodes."""
     return _line(root, "delete_episodes", episode_indices=[*episodes])
 
 
@@ -40,16 +31,20 @@ def remove_feature(root: Path, name: str) -> str:
 
 
 def replace_tasks(root: Path, texts: dict[str, str]) -> str:
-    """Return the line that gives tasks another text, in the folder itself; those with the same text become one."""
-    if sum(map(len, texts)) > _MAX_TEXT:
-        return f"{PROGRAM} with --operation.type=modify_tasks"
-    options = ["--operation.type=modify_tasks", f"--operation.task_replacements={json.dumps(texts)}"]
-    return shlex.join([PROGRAM, "--repo_id=my/own", f"--root={in_full(root)}", *options])
+    """Return the line that gives tasks another text, in the folder itself; those with the same text become one.
+
+    >>> print(replace_tasks(Path("/data"), {"Push": "push it"}).removeprefix(PROGRAM))
+     --repo_id=my/own --root=/data --operation.type=modify_tasks '--operation.task_replacements={"Push": "push it"}'
+    """
+    return _line(root, "modify_tasks", in_place=True, task_replacements=texts)
 
 
-def _line(root: Path, operation: str, **options: object) -> str:
-    folder = in_full(root)
-    edited = folder.with_name(f"{folder.name}-edited")
+def _line(root: Path, operation: str, *, in_place: bool = False, **options: object) -> str:
     said = [f"--operation.{name}={json.dumps(value)}" for name, value in options.items()]
-    where = [f"--root={folder}", f"--new_root={edited}"]
-    return shlex.join([PROGRAM, "--repo_id=my/own", *where, f"--operation.type={operation}", *said])
+    if sum(map(len, said)) > _MAX_LENGTH:
+        return f"{PROGRAM}, operation {operation}"
+    folder = in_full(root)
+    edited = [] if in_place else [f"--new_root={folder.with_name(f'{folder.name}-edited')}"]
+    return shlex.join(
+        [PROGRAM, "--repo_id=my/own", f"--root={folder}", *edited, f"--operation.type={operation}", *said]
+    )

@@ -51,9 +51,10 @@ def constant(runs: Runs) -> Iterator[Answer]:
         mend = "Harmless while it stays so: a policy sees any other value up to 1e8 times too large, for the std is 0"
         if name == ACTION:
             mend = "A policy will always do the same there"
-        elif len(still) == feature.size:
+        elif len(still) == feature.size and name != STATE:
             mend += f". To leave it out: {edit.remove_feature(runs.claims.root, name)}"
-        found = f"{some([feature.labels[place] for place in still])}: the same in all {n_frames:,} frames"
+        which = some([feature.labels[place] for place in still]) if feature.size > 1 else f"{stats.low[0, 0]:g}"
+        found = f"{which}: the same in all {n_frames:,} frames"
         yield Fault(DATA_DIR, name, found, "values that change, unless they are meant to stay", mend)
 
 

@@ -162,7 +162,7 @@ def _numbers(tasks: Iterable[_Tasks]) -> tuple[int, ...]:
 
 
 def _shown(text: str) -> str:
-    return short(repr(text), _MAX_TEXT)
+    return repr(short(text, _MAX_TEXT))
 
 
 def _listed(texts: set[str]) -> str:
