@@ -219,7 +219,7 @@ CASES: dict[str, Case] = {
     "a bomb of episodes": Case(bomb(EPISODES, 10**6, 7), 2, 2, EPISODES),
     "a bomb of tasks": Case(bomb(TASKS, 10**6, 10), 1, 0),
     "texts of 40 MB": Case(add_text_column, 1, 0),
-    "a task of 50 MB": Case(lambda root: edit_column(root, TASKS, "task", lambda _: ["x" * 50 * 10**6]), 0, 0),
+    "a task of 50 MB": Case(lambda root: edit_column(root, TASKS, "task", lambda _: ["x" * 50 * 10**6]), 1, 0),
     "a version of 1 MB": Case(lambda root: edit_info(root, codebase_version="v4" * 10**6), 2, 2),
     "a template of 1 MB": Case(
         lambda root: edit_info(root, data_path="data/" + "a" * 10**6 + "{file_index}.parquet"), 1, 2

@@ -208,9 +208,13 @@ def audit(
     Examples
     --------
     >>> import z2r
-    >>> z2r.audit("standin").findings
-    ()
-    >>> [finding.check for finding in z2r.audit("standin", z2r.break_mode("yaw-swap-everywhere")).findings]
+    >>> audit = z2r.audit("standin")
+    >>> audit.exit_code, [(finding.severity, finding.check) for finding in audit.findings]
+    (0, [('note', 'constant'), ('note', 'chunk')])
+    >>> audit.kept
+    (0, 1, 2, 3, 4, 5)
+    >>> wrong = z2r.audit("standin", z2r.break_mode("yaw-swap-everywhere"))
+    >>> [finding.check for finding in wrong.findings if finding.severity == "error"]
     ['overlap']
     """
     root = dataset.root if isinstance(dataset, Dataset) else _folder(dataset)

@@ -25,6 +25,7 @@ from z2r.reading.breaks import BREAK_MODES, BreakMode
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from z2r.audits.audit import Audit
     from z2r.format.dataset import Dataset
     from z2r.format.schema import Schema
     from z2r.reading.inspection import Inspection
@@ -233,9 +234,9 @@ def _say_what_was_found(
         screen.print(left_out(lost))
 
 
-def _refuse_inside(root: Path, out: Path) -> None:
+def _refuse_inside(root: Path, out: Path, option: str = "--out") -> None:
     if out.resolve().is_relative_to(root.resolve()):
-        raise click.UsageError(f"{out} is inside the dataset, which is never written to: name another --out")
+        raise click.UsageError(f"{out} is inside the dataset, which is never written to: name another {option}")
 
 
 def _announce(screen: "Console", command: str, dataset: "Dataset") -> None:
@@ -401,8 +402,16 @@ def report(dataset: Path | None, *, reading: "Reading | None", out: Path) -> Non
 @_names_a_dataset
 @_reads_as
 @_break_option("Audit it as it is read under one of the mistakes that `z2r inspect --help` names: is it noticed?")
+@click.option(
+    "--keep",
+    type=click.Path(path_type=Path, dir_okay=False),
+    metavar="FILE",
+    help="Write the numbers of the episodes that no error is about, as `lerobot-train --dataset.episodes` takes them.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print the findings as JSON and nothing else.")
-def audit(dataset: Path | None, *, reading: "Reading | None", mode: BreakMode | None, as_json: bool) -> None:
+def audit(
+    dataset: Path | None, *, reading: "Reading | None", mode: BreakMode | None, keep: Path | None, as_json: bool
+) -> None:
     """Say what is wrong with a dataset: each finding with what was found, what was expected, and how to mend it.
 
     DATASET is named as for `z2r inspect`. It is never written to.
@@ -415,6 +424,8 @@ def audit(dataset: Path | None, *, reading: "Reading | None", mode: BreakMode | 
     read.
 
     - `z2r audit my_dataset && train my_dataset` trains on nothing that is broken
+    - `z2r audit my_dataset --keep good.json`, and `lerobot-train --dataset.episodes="$(cat good.json)" ...` leaves the
+      episodes out that have an error
     - `z2r audit my_dataset --json` is for scripts
     - `z2r audit --break yaw-swap-everywhere` finds by a number what the share reached hides
     """
@@ -428,15 +439,31 @@ def audit(dataset: Path | None, *, reading: "Reading | None", mode: BreakMode | 
     root = find_dataset(dataset)
     title = folder_name(root)
     screen = console(as_json)
+    if keep:
+        _refuse_inside(root, keep, "--keep")
     with contextlib.suppress(DatasetError):  # of a schema that cannot be read, the audit says why
         _fitting(reading, read_schema(root))
     _say_what_is_wrong(screen, mode, reading or reading_for(root))
     with progress("auditing", "data files", as_json) as move:
         found = audit_dataset(root, mode, reading, move)
-    screen.print(audit_report(found, title))
+    screen.print(audit_report(found, title), crop=False)
+    if keep:
+        _write_kept(found, keep, screen)
     if as_json:
         click.echo(msgspec.json.format(msgspec.json.encode(found.to_dict(title)), indent=2))
     sys.exit(found.exit_code)
+
+
+def _write_kept(found: "Audit", path: Path, screen: "Console") -> None:
+    """Write the episodes that no error is about, and say of which errors that tells nothing."""
+    if not found.readable:
+        screen.print(f"did not write {path}: nobody knows what an episode is", soft_wrap=True)
+        return
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(f"{[*found.kept]}\n", encoding="utf-8")
+    screen.print(f"wrote {path}: {len(found.kept):,} of {count(found.n_episodes, 'episode')}", soft_wrap=True)
+    if found.of_all:
+        screen.print(f"errors that are about no episode in particular keep none out: {', '.join(found.of_all)}")
 
 
 @cli.command()

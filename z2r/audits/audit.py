@@ -13,20 +13,21 @@ from pathlib import Path
 from typing import Any
 
 import msgspec
-import numpy as np
 from msgspec.structs import replace
 
 from z2r.arrays import Ints, Progress, no_progress
-from z2r.audits import index, joints, labels, motion, structure, values
+from z2r.audits import index, joints, labels, motion, readiness, stats, structure, tasks, values
 from z2r.audits.claims import Claims, NoSchema, Stored, claims_under, read_claims
 from z2r.audits.findings import AUDIT, Finding, ask, failed
 from z2r.audits.following import fold_following, join_following, pairs_of
 from z2r.audits.frames import FileClaims, FileFrames, file_claims, run_stats
 from z2r.audits.joints import Joints
 from z2r.audits.labels import Labels, fold_labels, join_labels
+from z2r.audits.readiness import standstill
 from z2r.audits.runs import FileSums, Runs, join_runs
 from z2r.audits.steps import moves, run_steps
-from z2r.check import Check, asked_of, parts_in
+from z2r.audits.tasks import fold_tasks
+from z2r.check import SEVERITIES, Check, asked_of, parts_in
 from z2r.errors import DatasetError, some
 from z2r.format.dataset import in_order
 from z2r.format.schema import ACTION, MAX_SIGNAL_SIZE, Schema
@@ -39,7 +40,7 @@ from z2r.reading.stored import label_in
 
 MAX_OF_A_CHECK = 5  # findings in detail: a fault that is in every file would hide the others
 
-PARTS = parts_in(structure, index, values, labels, joints, motion)
+PARTS = parts_in(structure, index, tasks, values, joints, motion, stats, labels, readiness)
 """What every dataset is asked, in the order in which findings come."""
 
 
@@ -91,6 +92,12 @@ class Audit(msgspec.Struct, frozen=True):
             return 2
         return int(any(finding.severity != "note" for finding in self.findings))
 
+    @property
+    def of_all(self) -> tuple[str, ...]:
+        """The checks of which an error is about no episode in particular, and keeps none out of `kept`."""
+        errors = (each for each in self.findings if each.severity == "error" and not each.episodes)
+        return tuple(dict.fromkeys(each.check for each in errors))
+
     def to_dict(self, source: str) -> dict[str, Any]:
         """Return the audit as plain Python values for `z2r audit --json`; keys are added and never renamed.
 
@@ -114,7 +121,7 @@ class Audit(msgspec.Struct, frozen=True):
             "exit_code": self.exit_code,
             "n_episodes": self.n_episodes,
             "n_frames": self.n_frames,
-            **{f"n_{severity}s": counts[severity] for severity in ("error", "warning", "note")},
+            **{f"n_{severity}s": counts[severity] for severity in SEVERITIES},
             "findings": [msgspec.to_builtins(each) | {"episodes": [*each.episodes]} for each in self.findings],
             "more": self.more,
             "not_checked": list(self.not_checked),
@@ -176,7 +183,7 @@ def _fold_files(
     progress: Progress,
     executor: Executor | None,
 ) -> list[FileSums]:
-    work = partial(_fold_file, claims.root, claims.schema, claims.stored.tasks.value, claims.reading, scene)
+    work = partial(_fold_file, claims.root, claims.schema, claims.stored.task_numbers, claims.reading, scene)
     sums = []
     for part in in_order(work, files, executor):
         sums.append(part)
@@ -188,22 +195,27 @@ def _fold_file(
     root: Path, schema: Schema, tasks: Ints | None, reading: Reading | None, scene: Scene | None, claims: FileClaims
 ) -> FileSums:
     """Read one data file, ask of it all that there is to ask, and keep what the others are held against."""
-    nothing = np.array([], dtype=np.int64)
     try:
         frames = FileFrames(claims, schema, tasks, read_data_file(root, schema, claims.path))
         findings = [_of_the_file(each, claims) for each in ask(asked_of(FileFrames, PARTS), frames)]
         if not frames.read.n_rows:
-            return FileSums(frames.read.n_rows, findings, nothing, None, nothing, {}, None, None, None, {})
-        number, starts = frames.counts.get("episode_index"), frames.run_starts
-        stats = {name: run_stats(signal, starts) for name, signal in frames.signals.items()}
-        numbers, scene_sums = None if number is None else number[starts], _fold_scene(scene, frames, reading, findings)
-        said = fold_labels(frames, reading)
-        following = fold_following(pairs_of(schema), frames.read.frames, starts)
-        steps = {name: run_steps(signal, starts, schema.fps) for name, signal in frames.signals.items() if moves(name)}
-        tasks = frames.counts["task_index"][starts] if "task_index" in frames.counts else np.full(len(starts), -1)
-        return FileSums(frames.read.n_rows, findings, starts, numbers, tasks, stats, said, scene_sums, following, steps)
+            return FileSums(frames.read.n_rows, findings)
+        number, starts, signals = frames.counts.get("episode_index"), frames.run_starts, frames.signals
+        return FileSums(
+            n_rows=frames.read.n_rows,
+            findings=findings,
+            starts=starts,
+            numbers=None if number is None else number[starts],
+            stats={name: run_stats(signal, starts) for name, signal in signals.items()},
+            steps={name: run_steps(signal, starts, schema.fps) for name, signal in signals.items() if moves(name)},
+            following=fold_following(pairs_of(schema), signals, starts),
+            labels=fold_labels(frames, reading),
+            scene=_fold_scene(scene, frames, reading, findings),
+            idle=standstill(signals, starts),
+            tasks=fold_tasks(frames),
+        )
     except Exception as error:
-        return FileSums(None, [failed(claims.path.as_posix(), error)], nothing, None, nothing, {}, None, None, None, {})
+        return FileSums(None, [failed(claims.path.as_posix(), error)])
 
 
 def _of_the_file(finding: Finding, claims: FileClaims) -> Finding:
@@ -312,11 +324,11 @@ def _without_error(numbers: Ints, findings: Iterable[Finding]) -> tuple[int, ...
 
 
 def _in_order(findings: Iterable[Finding], checks: Sequence[Check]) -> tuple[tuple[Finding, ...], dict[str, int]]:
-    """Sort findings by their checks, keep the first of each, and count the others."""
+    """Sort findings by their checks, the worst of each first; keep some of each, and count the others."""
     order = [check.name for check in checks]
     seen: Counter[str] = Counter()
     kept = []
-    for finding in sorted(findings, key=lambda finding: order.index(finding.check)):
+    for finding in sorted(findings, key=lambda each: (order.index(each.check), SEVERITIES.index(each.severity))):
         seen[finding.check] += 1
         if seen[finding.check] <= MAX_OF_A_CHECK:
             kept.append(finding)

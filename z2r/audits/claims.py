@@ -13,7 +13,7 @@ from z2r.format.dataset import Dataset, load
 from z2r.format.episodes import EpisodeIndex, EpisodeTable
 from z2r.format.schema import Schema, read_schema
 from z2r.format.store import find
-from z2r.format.tables import Episodes, Read, Stated, read_episodes, read_stated, read_stats, read_tasks
+from z2r.format.tables import Episodes, Read, Stated, Tasks, read_episodes, read_stated, read_stats, read_tasks
 from z2r.format.videos import Videos, read_videos
 from z2r.reading.breaks import BreakMode
 from z2r.reading.reading import Reading
@@ -31,8 +31,13 @@ class Stored(NamedTuple):
     schema: Schema
     stated: Read[Stated]
     episodes: Read[Episodes]
-    tasks: Read[Ints | None]
+    tasks: Read[Tasks | None]
     stats: Read[dict[str, dict[str, Any]] | None]
+
+    @property
+    def task_numbers(self) -> Ints | None:
+        """What frames call the tasks; None where they cannot be read."""
+        return self.tasks.value.number if self.tasks.value else None
 
 
 class Claims(NamedTuple):

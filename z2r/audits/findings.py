@@ -21,7 +21,7 @@ class Finding(msgspec.Struct, frozen=True):
         The name of the check, one of `z2r.api.CHECKS`.
     severity : str
         ``error``: a reader will fail or read something wrong. ``warning``: it looks wrong; have a look.
-        ``note``: harmless, and better mended.
+        ``note``: good to know, and nothing fails because of it.
     file : str
         The file at fault, relative to the dataset; ``.`` for the folder itself.
     field : str

@@ -8,9 +8,8 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from z2r.arrays import Array, Bools, Columns, Floats, Ints, reduce_parts
+from z2r.arrays import Array, Bools, Columns, Floats, Ints, join, reduce_parts
 from z2r.audits.frames import FileFrames
 from z2r.check import Answer, Check
 from z2r.errors import Fault
@@ -132,10 +131,10 @@ def join_labels(schema: Schema, reading: Reading | None, number: Ints, parts: Se
     starts = np.flatnonzero(np.diff(number, prepend=number[0] - 1))
     ends = np.append(starts[1:], len(number)) - 1
     success = _join_flags([part.success for part in parts], starts, ends)
-    reward, levels = _join([part.reward for part in parts]), levels_of(np.concatenate([part.levels for part in parts]))
+    reward, levels = join([part.reward for part in parts]), levels_of(np.concatenate([part.levels for part in parts]))
     if reward is not None:
         reward = np.stack([np.maximum.reduceat(reward[:, 0], starts), reward[ends, 1]], axis=1)
-    reached = _join([part.reached for part in parts])
+    reached = join([part.reached for part in parts])
     if reached is not None and reading is not None:
         reached = reached[starts, 0] if reading.decisive == "first" else reached[ends, 1]
     return Labels(
@@ -254,12 +253,6 @@ def _reached(schema: Schema, reading: Reading | None, columns: Columns, rows: In
         return None
     ends = {name: values[rows.ravel()] for name, values in columns.items()}
     return in_tolerance(frame_errors(decode(ends, reading, schema)), reading).reshape(rows.shape)
-
-
-def _join[T: np.generic](parts: Sequence[NDArray[T] | None]) -> NDArray[T] | None:
-    """Put the rows of all files after each other; None where some file has none."""
-    known = [part for part in parts if part is not None]
-    return np.concatenate(known) if len(known) == len(parts) else None
 
 
 def _join_flags(parts: Sequence[Flag | None], starts: Ints, ends: Ints) -> Flag | None:

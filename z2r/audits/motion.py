@@ -210,7 +210,7 @@ def episodes_begin_at_one_place(runs: Runs) -> Iterator[Answer]:
             continue
         wrong = np.zeros(len(runs.number), dtype=bool)
         wrong[few] = True
-        if not np.isin(runs.task[wrong], runs.task[~wrong]).any():
+        if not _share_a_task(runs, wrong):
             continue  # one task may begin where another does not
         here, there = float(np.median(first[wrong, column])), float(np.median(first[~wrong, column]))
         mend = "Was it calibrated anew, is a sign, a unit or an order another one, or does an episode begin too late?"
@@ -316,6 +316,14 @@ def _quarter(values: Floats) -> Floats:
 def _median(values: Floats) -> Floats:
     middle: Floats = np.quantile(values, 0.5, axis=0, method="lower")
     return middle
+
+
+def _share_a_task(runs: Runs, wrong: Bools) -> bool:
+    """Tell whether some of these episodes have a task that some of the others have as well."""
+    if runs.tasks is None:
+        return True
+    run, task = runs.tasks.T
+    return bool(np.isin(task[wrong[run]], task[~wrong[run]]).any())
 
 
 def _worst(wrong: Bools, values: Floats) -> tuple[int, int]:

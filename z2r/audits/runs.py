@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from z2r.arrays import Floats, Ints
+from z2r.arrays import Floats, Ints, join
 from z2r.audits.claims import Claims
 from z2r.audits.findings import Finding
 from z2r.audits.following import Following
@@ -27,30 +27,33 @@ class FileSums(NamedTuple):
         The first row of each run of frames with one `episode_index`.
     numbers : ndarray, int64[n_runs], or None
         Their `episode_index`.
-    tasks : ndarray, int64[n_runs]
-        Their first `task_index`; -1 where it cannot be used.
     stats : dict of str to RunStats
         Of each numeric feature.
+    steps : dict of str to RunSteps
+        Of what was observed and done.
+    following : Following or None
+        How joints follow their commands; None where no command has the name of a joint.
     labels : FileLabels or None
         What success, reward and done say.
     scene : object
         What the scene made of it; None where there is none, or its columns are not there.
-    following : Following or None
-        How joints follow their commands; None where no command has the name of a joint.
-    steps : dict of str to RunSteps
-        Of what was observed and done.
+    idle : ndarray, int64[n_runs, 2], or None
+        In how many frames nothing moves, in the beginning and in the end of each run.
+    tasks : ndarray, int64[n, 2], or None
+        Which runs have a frame of which task: pairs of a run and a `task_index`.
     """
 
     n_rows: int | None
     findings: list[Finding]
-    starts: Ints
-    numbers: Ints | None
-    tasks: Ints
-    stats: dict[str, RunStats]
-    labels: FileLabels | None
-    scene: Any
-    following: Following | None
-    steps: dict[str, RunSteps]
+    starts: Ints = np.empty(0, dtype=np.int64)
+    numbers: Ints | None = None
+    stats: dict[str, RunStats] = {}  # noqa: RUF012 -- nobody writes into it
+    steps: dict[str, RunSteps] = {}  # noqa: RUF012
+    following: Following | None = None
+    labels: FileLabels | None = None
+    scene: Any = None
+    idle: Ints | None = None
+    tasks: Ints | None = None
 
 
 class Runs(NamedTuple):
@@ -64,14 +67,14 @@ class Runs(NamedTuple):
         Their `episode_index`, their first frame, and one past their last, counted over the whole dataset.
     file_number : ndarray, int64[n_runs]
         Which data file they are in.
-    task : ndarray, int64[n_runs]
-        Their first `task_index`; -1 where it cannot be used.
     read : list of int
         The data files that could be read.
     stats : dict of str to RunStats
         Of each feature that could be read in all of these files.
     steps : dict of str to RunSteps
         Of those of them that were observed or done.
+    idle, tasks : as in `FileSums`
+        None where they are of some of these files.
     """
 
     claims: Claims
@@ -79,10 +82,11 @@ class Runs(NamedTuple):
     start: Ints
     stop: Ints
     file_number: Ints
-    task: Ints
     read: list[int]
     stats: dict[str, RunStats]
     steps: dict[str, RunSteps]
+    idle: Ints | None
+    tasks: Ints | None
 
     @property
     def n_frames(self) -> Floats:
@@ -106,14 +110,22 @@ def join_runs(claims: Claims, files: Sequence[FileClaims], sums: Sequence[FileSu
     parts = [(files[number].base, sums[number]) for number in read]
     moved = {name for _, part in parts for name in part.steps}
     shared = [name for name in claims.schema.signals() if all(name in part.stats for _, part in parts)]
+    n_runs = np.array([len(part.starts) for _, part in parts])
+    firsts = np.cumsum(n_runs) - n_runs
     return Runs(
         claims=claims,
         number=np.concatenate(known),
         start=np.concatenate([base + part.starts for base, part in parts]),
         stop=np.concatenate([base + np.append(part.starts[1:], part.n_rows or 0) for base, part in parts]),
-        file_number=np.repeat(read, [len(part.starts) for _, part in parts]),
-        task=np.concatenate([part.tasks for _, part in parts]),
+        file_number=np.repeat(read, n_runs),
         read=read,
         stats={name: joined([part.stats[name] for _, part in parts]) for name in shared},
         steps={name: join_steps([part.steps[name] for _, part in parts]) for name in shared if name in moved},
+        idle=join([part.idle for _, part in parts]),
+        tasks=join([_shifted(part.tasks, int(first)) for first, (_, part) in zip(firsts, parts, strict=True)]),
     )
+
+
+def _shifted(tasks: Ints | None, first_run: int) -> Ints | None:
+    """Count the runs of pairs of a run and a task on from those of the files before."""
+    return None if tasks is None else tasks + np.array([first_run, 0])

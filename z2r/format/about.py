@@ -18,7 +18,7 @@ from z2r.errors import DatasetError, count, short
 from z2r.format.episodes import shard_paths
 from z2r.format.parquet import integers, open_parquet, read_columns, text_sets
 from z2r.format.schema import Feature, Schema
-from z2r.format.tables import read_task_texts
+from z2r.format.tables import read_tasks
 
 _TEXT = ("string", "language")
 _PICTURES = ("video", "image")
@@ -191,7 +191,8 @@ def _rate(value: Any) -> float | None:
 
 def _tasks(root: Path, numbers: Ints) -> tuple[Task, ...] | None:
     """Count the episodes of each task; one that only the episodes name comes after those of the table."""
-    named = read_task_texts(root).value
+    tasks = read_tasks(root).value
+    named = tasks.text if tasks else None
     try:
         counted = _count_episodes(root, frozenset(numbers.tolist()))
     except DatasetError:
@@ -202,11 +203,18 @@ def _tasks(root: Path, numbers: Ints) -> tuple[Task, ...] | None:
 def _count_episodes(root: Path, wanted: frozenset[int]) -> Counter[str]:
     counted: Counter[str] = Counter()
     for shard in shard_paths(root):
-        counted.update(task for number, tasks in _tasks_of_episodes(shard) if number in wanted for task in tasks)
+        counted.update(task for number, tasks in tasks_of_episodes(shard) if number in wanted for task in tasks)
     return counted
 
 
-def _tasks_of_episodes(shard: Path) -> Iterator[tuple[int, set[str]]]:
+def tasks_of_episodes(shard: Path) -> Iterator[tuple[int, set[str]]]:
+    """Yield the `episode_index` and the tasks of every episode in one metadata shard.
+
+    Raises
+    ------
+    DatasetError
+        If the shard cannot be read, or holds something else.
+    """
     parquet = open_parquet(shard)
     numbers = integers(read_columns(parquet, shard, ["episode_index"]), "episode_index", shard)
     return zip(numbers.tolist(), text_sets(parquet, "tasks", shard), strict=False)

@@ -29,14 +29,14 @@ def raise_first(root: Path, faults: Iterable[Fault]) -> None:
         raise DatasetError(fault.below(root))
 
 
-def and_more(wrong: Bools) -> str:
-    """Say how many more there are beside the first, if any."""
-    more = int(wrong.sum()) - 1
+def and_more(wrong: Bools | int) -> str:
+    """Say how many more there are beside the first, if any: of those that are wrong, or of so many."""
+    more = int(np.sum(wrong)) - 1
     return f" (and {more:,} more like it)" if more else ""
 
 
-def episodes_of(number: Ints, wrong: Bools) -> tuple[int, ...]:
-    """List the episodes of which something is wrong; `number` and `wrong` have a row for each part of one."""
+def episodes_of(number: Ints, wrong: Bools | Ints) -> tuple[int, ...]:
+    """List the episodes of which something is wrong: their numbers, and which of them, or in which rows."""
     return tuple(np.unique(number[wrong]).tolist())
 
 

@@ -203,25 +203,26 @@ def _skipped_numbers(shards: Sequence[Path]) -> Iterator[Fault]:
 # --- tasks and statistics
 
 
-def read_tasks(root: Path) -> Read[Ints | None]:
-    """Read the numbers of the tasks; None where they cannot be read."""
-    try:
-        tasks, _ = _task_table(inside(root, TASKS_PATH))
-    except DatasetError as error:
-        return Read(None, (error.fault.relative_to(root),))
-    if not np.array_equal(np.sort(tasks), np.arange(len(tasks))) or not len(tasks):
-        found = some(tasks.tolist()) or "no task"
-        return Read(tasks, (Fault(TASKS_PATH, "task_index", found, "0, 1, 2 ..., each once"),))
-    return Read(tasks)
+class Tasks(NamedTuple):
+    """The tasks, in the order of their numbers: what frames call them, int64[n_tasks], and what they say."""
+
+    number: Ints
+    text: list[str]
 
 
-def read_task_texts(root: Path) -> Read[list[str] | None]:
-    """Read the texts of the tasks in the order of their numbers; None where they cannot be read."""
+def read_tasks(root: Path) -> Read[Tasks | None]:
+    """Read the tasks; None where they cannot be read."""
     try:
-        tasks, said = _task_table(inside(root, TASKS_PATH))
+        number, text = _task_table(inside(root, TASKS_PATH))
     except DatasetError as error:
         return Read(None, (error.fault.relative_to(root),))
-    return Read([said[row] for row in np.argsort(tasks, kind="stable").tolist()])
+    order = np.argsort(number, kind="stable")
+    tasks = Tasks(number[order], [text[row] for row in order.tolist()])
+    if np.array_equal(number, np.arange(len(number))) and len(number):
+        return Read(tasks)
+    found = some(number.tolist()) or "no task"
+    mend = "LeRobot takes the first row for task 0, the second for task 1"
+    return Read(tasks, (Fault(TASKS_PATH, "task_index", found, "0, 1, 2 ... in order", mend),))
 
 
 def _task_table(path: Path) -> tuple[Ints, list[str]]:

@@ -16,6 +16,7 @@ from rich.progress_bar import ProgressBar
 from rich.table import Table
 from rich.text import Text
 
+from z2r.audits.edit import PROGRAM
 from z2r.audits.findings import Finding
 from z2r.check import Severity
 from z2r.errors import count, printable, short, some
@@ -126,20 +127,25 @@ def _finding(finding: Finding) -> RenderableType:
     lines = Table.grid(padding=(0, 1))
     lines.add_column(style="dim", justify="right", no_wrap=True)
     lines.add_column(overflow="fold")
-    for name, text in (("found", finding.found), ("expected", finding.expected), ("mend", finding.mend)):
+    advice, command, options = finding.mend.partition(f"{PROGRAM} --")
+    for name, text in (("found", finding.found), ("expected", finding.expected), ("mend", advice)):
         if text:
             lines.add_row(name, printable(text))
     style = _SEVERITY_STYLES[finding.severity]
     title = Text.assemble((finding.severity, style), "  ", (finding.check, "bold"), "  ", printable(where))
-    return Group(title, Padding(lines, (0, 0, 0, 2)))
+    parts: list[RenderableType] = [title, Padding(lines, (0, 0, 0, 2))]
+    if command:  # one line, however long: it is there to be copied
+        parts.append(Text(printable(command + options), overflow="ignore", no_wrap=True))
+    return Group(*parts)
 
 
 def _verdict(audit: "Audit") -> Text:
     counts = Counter(finding.severity for finding in audit.findings)
-    if not counts:
-        return Text("nothing wrong was found in what was checked", style="bold green")
     said = ", ".join(count(counts[severity], severity) for severity in _SEVERITY_STYLES if counts[severity])
-    return Text(said, style="bold red" if counts["error"] else "bold yellow" if counts["warning"] else "bold")
+    if counts["error"] or counts["warning"]:
+        return Text(said, style="bold red" if counts["error"] else "bold yellow")
+    nothing = "nothing wrong was found in what was checked"
+    return Text(f"{nothing}; {said}" if said else nothing, style="bold green")
 
 
 def _table(title: str) -> Table:
