@@ -4,6 +4,8 @@ They are laid out by hand as lerobot 0.6.1 does it: for each camera a video, in 
 another. `test_cameras.py` shows that LeRobotDataset reads them, and that of what it writes itself nothing is said.
 """
 
+import io
+import json
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
@@ -11,12 +13,14 @@ import av
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
-from layouts import BOOKKEEPING, Layout, shard_files, write_dataset
+from layouts import BOOKKEEPING, Layout, data_files, shard_files, write_dataset
+from PIL import Image
 
 FPS = 10  # that of `layouts`
 SIZE = (72, 96)
 LENGTHS = (60, 72, 56, 64, 60, 68, 60, 52)
 FRONT, SIDE = CAMERAS = ("observation.images.front", "observation.images.side")
+SEEN = {"dtype": "video", "shape": [*SIZE, 3], "names": ["height", "width", "channels"]}
 VIDEO_PATH = "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"
 
 type Film = Callable[[str, int, np.ndarray], Iterator[np.ndarray]]
@@ -54,14 +58,12 @@ def write_filmed(
     lengths: Sequence[int] = LENGTHS,
     files: Sequence[int] | None = None,
     codec: str = "libx264",
-    still: bool = False,
 ) -> None:
     """Write a dataset in which every episode is filmed; `files` says how many episodes each video holds."""
     states = [wander(episode, n_frames) for episode, n_frames in enumerate(lengths)]
     frames = {"observation.state": np.concatenate(states), "action": np.concatenate(states)}
     names = {"dtype": "float32", "shape": [2], "names": ["x", "y"]}
-    seen = {"dtype": "video", "shape": [*SIZE, 3], "names": ["height", "width", "channels"]}
-    features = {"observation.state": names, "action": names, **dict.fromkeys(cameras, seen)}
+    features = {"observation.state": names, "action": names, **dict.fromkeys(cameras, SEEN)}
     layout = Layout(files=[len(lengths)], shards=[len(lengths)], episode_stats=True)
     write_dataset(root, frames, lengths, layout, features=features | BOOKKEEPING, video_path=VIDEO_PATH)
     files = [len(lengths)] if files is None else files
@@ -73,6 +75,29 @@ def write_filmed(
             pictures = [list(film(camera, episode, states[episode])) for episode in own]
             write_video(video(root, camera, number), pictures, codec)
             first += n_episodes
+
+
+def write_photographed(root: Path, film: Film = film, kind: str = "png") -> None:
+    """Write a dataset whose pictures stand in the data file, as a PNG or JPEG in each row."""
+    write_filmed(root, film, cameras=())
+    info = json.loads((root / "meta/info.json").read_text())
+    info["features"] |= dict.fromkeys(CAMERAS, SEEN | {"dtype": "image"})
+    (root / "meta/info.json").write_text(json.dumps(info))
+    [path] = data_files(root)
+    table = pq.read_table(path)
+    for camera in CAMERAS:
+        states = (wander(episode, n_frames) for episode, n_frames in enumerate(LENGTHS))
+        pictures = (picture for episode, own in enumerate(states) for picture in film(camera, episode, own))
+        rows = [{"bytes": encoded(picture, kind), "path": f"{row}.{kind}"} for row, picture in enumerate(pictures)]
+        table = table.append_column(camera, pa.array(rows, pa.struct({"bytes": pa.binary(), "path": pa.string()})))
+    pq.write_table(table, path, row_group_size=100)
+
+
+def encoded(picture: np.ndarray, kind: str = "png") -> bytes:
+    """Return a picture as a PNG, as LeRobot stores it, or as another kind."""
+    file = io.BytesIO()
+    Image.fromarray(picture).save(file, kind, compress_level=6)
+    return file.getvalue()
 
 
 def point_at_videos(root: Path, camera: str, lengths: Sequence[int], files: Sequence[int]) -> None:

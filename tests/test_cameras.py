@@ -1,11 +1,13 @@
 """Do the pictures belong to the frames? Indices of videos against FFmpeg, and every fault of a camera is named."""
 
+import itertools
 import os
 import random
+import re
 import shutil
 import struct
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -15,13 +17,41 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from damages import EPISODES, EPISODES_DIR, INFO, edit_column, edit_feature, leave_pointer, read_json, truncate
-from filmed import CAMERAS, FPS, FRONT, LENGTHS, SIDE, SIZE, film, video, wander, write_filmed, write_video
+from damages import (
+    DATA,
+    EPISODES,
+    EPISODES_DIR,
+    INFO,
+    edit_column,
+    edit_feature,
+    leave_pointer,
+    read_json,
+    spoil_column,
+    truncate,
+)
+from filmed import (
+    CAMERAS,
+    FPS,
+    FRONT,
+    LENGTHS,
+    SIDE,
+    SIZE,
+    Film,
+    encoded,
+    film,
+    video,
+    wander,
+    write_filmed,
+    write_photographed,
+    write_video,
+)
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_audit import said
 
 import z2r
+from z2r.audits import cameras, pictures
+from z2r.check import parts_in
 from z2r.format import mp4
 from z2r.format.mp4 import VideoIndex, read_video_index
 
@@ -265,8 +295,8 @@ def test_nothing_is_said_of_what_lerobot_writes_and_it_reads_what_is_laid_out_he
     written = LeRobotDataset.create(**where, fps=FPS, features=features, video_files_size_in_mb=0.02)
     for episode, n_frames in enumerate(LENGTHS[:4]):
         states = wander(episode, n_frames)
-        for state, *pictures in zip(states, *(film(camera, episode, states) for camera in CAMERAS), strict=True):
-            seen = dict(zip(CAMERAS, pictures, strict=True))
+        for state, *views in zip(states, *(film(camera, episode, states) for camera in CAMERAS), strict=True):
+            seen = dict(zip(CAMERAS, views, strict=True))
             written.add_frame({"observation.state": state, "action": state, "task": "test"} | seen)
         written.save_episode()
     written.finalize()
@@ -440,7 +470,7 @@ FAULTS = {
         lambda root: shutil.copy(video(root, FRONT), video(root, SIDE)),
         "camera-twin",
         SIDE_VIDEO,
-        f"the same bytes as videos/{FRONT}",
+        f"a copy of videos/{FRONT}",
         "warning",
     ),
 }
@@ -456,3 +486,139 @@ def test_a_fault_of_a_camera_is_named_and_nothing_else(kind, root):
     assert (first.severity, first.file) == (fault.severity, fault.file), said(audit)
     assert fault.says in str(first)
     assert audit.exit_code == (fault.severity != "note")
+
+
+# --- what the pictures show, as far as their sizes tell
+
+
+def black(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
+    return (0 * picture for picture in film(camera, episode, states))
+
+
+def frozen(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
+    return itertools.repeat(next(film(camera, episode, states)), len(states))
+
+
+def only(wrong: Film, *episodes: int, camera: str = SIDE) -> Film:
+    """Film some episodes wrong with one camera, or all of them."""
+    return lambda name, episode, states: (wrong if name == camera and (not episodes or episode in episodes) else film)(
+        name, episode, states
+    )
+
+
+@pytest.mark.parametrize("codec", ["libx264", "libsvtav1"])
+@pytest.mark.parametrize(
+    ("wrong", "check", "severity", "place"),
+    [
+        (only(black, 3), "camera-flat", "warning", "in episode 3: found"),
+        (only(black), "camera-flat", "warning", "in episode [01]: found .*and [67] more"),
+        (only(frozen, 3), "camera-frozen", "warning", "in episode 3: found"),
+        (only(frozen), "camera-frozen", "note", "in episode [01]: found .*and [67] more"),
+    ],
+    ids=["black for an episode", "always black", "frozen for an episode", "always frozen"],
+)
+def test_the_sizes_of_pictures_hint_at_what_they_show(wrong, check, severity, place, codec, tmp_path):
+    write_filmed(tmp_path / "dataset", wrong, codec=codec)
+    [finding] = z2r.audit(tmp_path / "dataset").findings
+    assert (finding.check, finding.severity) == (check, severity)
+    assert re.search(f"{SIDE} {place}", str(finding))
+    assert "--pictures" in finding.mend
+
+
+# --- images that stand in the data file
+
+
+@pytest.fixture(scope="session")
+def photographed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    root = tmp_path_factory.mktemp("photographed") / "dataset"
+    write_photographed(root)
+    return root
+
+
+def test_nothing_is_said_of_images_that_are_whole(photographed, tmp_path):
+    silent(photographed)
+    write_photographed(tmp_path / "dataset", kind="jpeg")
+    silent(tmp_path / "dataset")
+
+
+def put_image(row: int, picture: bytes | None) -> Callable[[Path], None]:
+    def change(rows: list[dict]) -> list[dict]:
+        return [{"bytes": picture, "path": "x"} if i == row else old for i, old in enumerate(rows)]
+
+    return lambda root: edit_column(root, DATA, SIDE, change)
+
+
+def other_images(camera: str, pictures: Callable[[list[bytes]], list[bytes | None]]) -> Callable[[Path], None]:
+    def change(rows: list[dict]) -> list[dict]:
+        return [{"bytes": picture, "path": None} for picture in pictures([row["bytes"] for row in rows])]
+
+    return lambda root: edit_column(root, DATA, camera, change)
+
+
+GRAY = np.zeros(SIZE, np.uint8)
+IMAGE_FAULTS = {
+    "no image in a row": Fault(put_image(70, None), "finite", DATA, f"{SIDE} in row 70: found no picture"),
+    "an image of no bytes": Fault(put_image(70, b""), "finite", DATA, "row 70"),
+    "bytes that are no image": Fault(put_image(70, b"no picture"), "camera-format", DATA, "in row 70: found bytes"),
+    "an image that is cut off": Fault(
+        put_image(70, encoded(next(film(SIDE, 0, wander(0, 1))))[:-20]), "camera-format", DATA, "no whole picture"
+    ),
+    "a jpeg that is cut off": Fault(put_image(70, encoded(GRAY, "jpeg")[:20]), "camera-format", DATA, "row 70"),
+    "an image of another size": Fault(
+        put_image(70, encoded(np.zeros((8, 9, 3), np.uint8))), "camera-format", DATA, "found 8 x 9, expected 72 x 96"
+    ),
+    "a jpeg of another size": Fault(
+        put_image(70, encoded(np.zeros((8, 9, 3), np.uint8), "jpeg")), "camera-format", DATA, "found 8 x 9"
+    ),
+    "an image without colours": Fault(put_image(70, encoded(GRAY)), "camera-format", DATA, "1 channels, expected 3"),
+    "a column of numbers": Fault(
+        lambda root: edit_column(root, DATA, SIDE, lambda rows: [0.0] * len(rows), pa.float32()),
+        "column-type",
+        DATA,
+        "values of type float",
+    ),
+    "a column that is damaged": Fault(lambda root: spoil_column(root / DATA, SIDE), "data-file", DATA, "pyarrow"),
+    "the images of another camera": Fault(
+        lambda root: copy_column(root, FRONT, SIDE), "camera-twin", "data", f"the same pictures as {FRONT}", "warning"
+    ),
+}
+
+
+def copy_column(root: Path, source: str, target: str) -> None:
+    table = pq.read_table(root / DATA)
+    place = table.schema.get_field_index(target)
+    pq.write_table(table.set_column(place, target, table.column(source)), root / DATA)
+
+
+@pytest.mark.parametrize("kind", IMAGE_FAULTS)
+def test_a_fault_of_images_is_named_and_nothing_else(kind, photographed, tmp_path):
+    fault, root = IMAGE_FAULTS[kind], Path(shutil.copytree(photographed, tmp_path / "dataset"))
+    fault.do(root)
+    audit = z2r.audit(root)
+    assert {finding.check for finding in audit.findings} == {fault.checks}, said(audit)
+    assert (audit.findings[0].severity, audit.findings[0].file) == (fault.severity, fault.file), said(audit)
+    assert fault.says in str(audit.findings[0])
+
+
+@pytest.mark.parametrize("kind", ["png", "jpeg"])
+@pytest.mark.parametrize(
+    ("wrong", "check", "severity", "place"),
+    [
+        (only(black, 3), "camera-flat", "warning", "in episode 3: found the same picture in all frames, no larger"),
+        (only(black), "camera-flat", "warning", "in episode [01]: found .*and [67] more"),
+        (only(frozen, 3), "camera-frozen", "warning", "in episode 3: found the same picture in all frames,"),
+        (only(frozen), "camera-frozen", "note", "in episode [01]: found .*and [67] more"),
+    ],
+    ids=["black for an episode", "always black", "frozen for an episode", "always frozen"],
+)
+def test_images_that_are_the_same_are_named(wrong, check, severity, place, kind, tmp_path):
+    write_photographed(tmp_path / "dataset", wrong, kind)
+    [finding] = z2r.audit(tmp_path / "dataset").findings
+    assert (finding.check, finding.severity) == (check, severity)
+    assert re.search(f"{SIDE} {place}", str(finding))
+
+
+def test_every_check_of_a_camera_is_made_to_fail():
+    named = {check for fault in (*FAULTS.values(), *IMAGE_FAULTS.values()) for check in fault.checks.split()}
+    named |= {"camera-flat", "camera-frozen"}
+    assert named >= {part.check.name for part in parts_in(cameras, pictures)}

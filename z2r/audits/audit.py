@@ -19,7 +19,7 @@ from z2r.arrays import Ints, Progress, no_progress
 from z2r.audits import cameras, index, labels, pictures, structure, values
 from z2r.audits.claims import Claims, NoSchema, Stored, claims_under, read_claims
 from z2r.audits.findings import AUDIT, Finding, ask, failed
-from z2r.audits.footage import Footage, read_footage
+from z2r.audits.footage import FileImages, Footage, join_images, read_file_images, read_footage, sum_images
 from z2r.audits.frames import FileClaims, FileFrames, file_claims, run_stats
 from z2r.audits.labels import Labels, fold_labels, join_labels
 from z2r.audits.pictures import Looks, looks_of_sizes
@@ -154,7 +154,7 @@ def audit(
     findings += [finding for part in sums for finding in part.findings]
     runs = join_runs(claims, files, sums)
     findings += _ask_of_all(claims, files, sums, runs, scene)
-    findings += _ask_of_cameras(claims, runs, executor)
+    findings += _ask_of_cameras(claims, runs, sums, executor)
     return Audit(
         *_in_order(findings, all_checks(scene)),
         not_checked=(*_failed(findings), *_not_checked(claims, sums, scene)),
@@ -189,14 +189,16 @@ def _fold_file(
         frames = FileFrames(claims, schema, tasks, read_data_file(root, schema, claims.path))
         findings = [*ask(asked_of(FileFrames, PARTS), frames)]
         if not frames.read.n_rows:
-            return FileSums(frames.read.n_rows, findings, nothing, None, {}, None, None)
+            return FileSums(frames.read.n_rows, findings, nothing, None, {}, None, None, {})
         number, starts = frames.counts.get("episode_index"), frames.run_starts
         stats = {name: run_stats(signal, starts) for name, signal in frames.signals.items()}
         numbers, scene_sums = None if number is None else number[starts], _fold_scene(scene, frames, reading, findings)
-        said = fold_labels(frames, reading)
-        return FileSums(frames.read.n_rows, findings, starts, numbers, stats, said, scene_sums)
+        said, pictures = fold_labels(frames, reading), read_file_images(root, frames)
+        findings += ask(asked_of(FileImages, PARTS), pictures)
+        images = sum_images(pictures)
+        return FileSums(frames.read.n_rows, findings, starts, numbers, stats, said, scene_sums, images)
     except Exception as error:
-        return FileSums(None, [failed(claims.path.as_posix(), error)], nothing, None, {}, None, None)
+        return FileSums(None, [failed(claims.path.as_posix(), error)], nothing, None, {}, None, None, {})
 
 
 def _fold_scene(scene: Scene | None, frames: FileFrames, reading: Reading | None, findings: list[Finding]) -> Any:
@@ -225,10 +227,13 @@ def _ask_of_all(
         yield from ask(scene.checks, SceneSums(claims.root, claims.episodes, claims.reading, paths, scene_sums))
 
 
-def _ask_of_cameras(claims: Claims, runs: Runs | None, executor: Executor | None) -> Iterator[Finding]:
+def _ask_of_cameras(
+    claims: Claims, runs: Runs | None, sums: Sequence[FileSums], executor: Executor | None
+) -> Iterator[Finding]:
     try:
         footage = read_footage(claims, executor)
-        looks = looks_of_sizes(footage, runs) if runs else None
+        images = join_images([sums[number].images for number in runs.read]) if runs else {}
+        looks = looks_of_sizes(footage, runs, images) if runs else None
     except Exception as error:
         yield failed("the pictures", error)
         return

@@ -1,17 +1,20 @@
-"""Do the pictures belong to the frames? Videos, as far as their index tells without a picture being decoded."""
+"""Do the pictures belong to the frames? Videos and images, as far as that is told without decoding a picture."""
 
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
-from z2r.audits.footage import Footage, VideoClaims, VideoSums
+from z2r.audits.footage import FileImages, Footage, VideoClaims, VideoSums
+from z2r.audits.frames import FileFrames
 from z2r.audits.index import TIME_TOLERANCE
-from z2r.audits.structure import VIDEO_FILE
+from z2r.audits.structure import COLUMN_TYPE, DATA_FILE, VIDEO_FILE
+from z2r.audits.values import FINITE
 from z2r.check import Answer, Check
 from z2r.errors import Fault, count
 from z2r.format.about import axes_of, said_of
 from z2r.format.episodes import EPISODES_DIR
+from z2r.format.images import Format, Images
 from z2r.format.rules import and_more
 from z2r.format.schema import INFO_PATH, Feature
 from z2r.format.store import digest
@@ -152,6 +155,51 @@ def video_time(footage: Footage) -> Iterator[Answer]:
             yield Fault(video.path, field, found, expected, "LeRobot stops at such a frame")
 
 
+@DATA_FILE.of(FileImages)
+def images_can_be_read(images: FileImages) -> Iterator[Answer]:
+    """Can the bytes of all pictures be read?"""
+    yield from (said for said in images.read.values() if isinstance(said, Fault) and not said.field)
+
+
+@COLUMN_TYPE.of(FileImages)
+def images_are_bytes(images: FileImages) -> Iterator[Answer]:
+    """Is a column of pictures one of bytes?"""
+    yield from (said for said in images.read.values() if isinstance(said, Fault) and said.field)
+
+
+@FINITE.of(FileImages)
+def an_image_in_each_row(images: FileImages) -> Iterator[Answer]:
+    """Is there a picture in each row?"""
+    for name, said in images.read.items():
+        if isinstance(said, Images) and (missing := said.sizes == 0).any():
+            place = f"{name} in row {int(missing.argmax())}"
+            yield Fault(images.frames.path, place, f"no picture{and_more(missing)}", "a picture for each frame")
+
+
+@CAMERA_FORMAT.of(FileImages)
+def images_have_their_format(images: FileImages) -> Iterator[Answer]:
+    """Is every image one, of the size that the schema says?"""
+    for name, said in images.read.items():
+        for kind, row in said.formats.items() if isinstance(said, Images) else ():
+            yield from _format_faults(images.frames, name, kind, row)
+
+
+def _format_faults(frames: FileFrames, name: str, kind: Format | None, row: int) -> Iterator[Answer]:
+    feature, place = frames.schema.features[name], f"{name} in row {row}"
+    if kind is None:
+        yield Fault(frames.path, place, "bytes that are no whole picture", "a PNG or a JPEG")
+        return
+    possible = _claimed_sizes(feature).get("shape", [])
+    if kind.height and possible and (kind.height, kind.width) not in possible:
+        found, expected = _by(kind.height, kind.width), f"{_by(*possible[0])}, as shape in meta/info.json says"
+        yield Fault(frames.path, place, found, expected)
+    axes = axes_of(feature)
+    channels = axes.get("channels", axes.get("channel", kind.channels))
+    if kind.channels and kind.channels != channels:
+        expected = f"{channels}, as shape in meta/info.json says"
+        yield Fault(frames.path, place, f"a picture of {kind.channels} channels", expected)
+
+
 CAMERA_TWIN = Check("camera-twin", "no two cameras, and no two videos, show the same", "warning")
 
 
@@ -167,8 +215,10 @@ def no_video_is_there_twice(footage: Footage) -> Iterator[Answer]:
         whole.setdefault(digest(root / like.path), like)
         same = whole.setdefault(digest(root / video.path), video)
         if same is not video:
-            mend = "Two cameras never see the same: one of them was copied, or recorded twice"
-            yield Fault(video.path, "", f"the same bytes as {same.path.as_posix()}", "a video of its own", mend)
+            of_another = (
+                f"the video of {same.camera}" if same.path == video.path else f"a copy of {same.path.as_posix()}"
+            )
+            yield Fault(video.path, video.camera, of_another, "a video of its own")
 
 
 def _read(footage: Footage) -> Iterator[tuple[VideoClaims, VideoSums]]:

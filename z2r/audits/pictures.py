@@ -1,16 +1,20 @@
 """What do the pictures show? Something, and it moves when the robot does."""
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from itertools import combinations
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from z2r.arrays import Bools, Floats, Ints
-from z2r.audits.footage import Footage, VideoSums
+from z2r.audits.cameras import CAMERA_TWIN
+from z2r.audits.footage import Footage, ImageSums, VideoSums
 from z2r.audits.runs import Runs
 from z2r.check import Answer, Check
 from z2r.errors import Fault
+from z2r.format.episodes import DATA_DIR
 from z2r.format.rules import and_more
 from z2r.format.schema import ACTION, STATE
 
@@ -55,10 +59,19 @@ class Look(NamedTuple):
     mend: str
 
 
+class Twin(NamedTuple):
+    """Two cameras, and in which of the episodes, by their rows, they show the same."""
+
+    look: Look
+    other: Look
+    same: Bools
+
+
 class Looks(NamedTuple):
-    """What the pictures of all cameras look like, as far as that is known."""
+    """What the pictures of all cameras look like, and which of them show the same, as far as that is known."""
 
     cameras: Sequence[Look]
+    twins: Sequence[Twin]
 
 
 CAMERA_FLAT = Check("camera-flat", "no camera shows one colour, as one that is covered or unplugged does", "warning")
@@ -85,6 +98,14 @@ def no_camera_is_frozen(looks: Looks) -> Iterator[Answer]:
             yield ("warning" if _is_seldom(still, len(still)) else "note"), fault
 
 
+@CAMERA_TWIN.of(Looks)
+def no_two_cameras_show_the_same(looks: Looks) -> Iterator[Answer]:
+    """Do two cameras show the same pictures throughout an episode? Of those of one colour, that is no wonder."""
+    for twin in looks.twins:
+        found = partial("the same pictures as {}".format, twin.other.camera)
+        yield from _looks_wrong(twin.look, twin.same & ~twin.look.flat, found, "pictures of its own")
+
+
 def _looks_wrong(look: Look, wrong: Bools, found: Callable[[int], str], expected: str) -> Iterator[Fault]:
     if wrong.any():
         row = int(wrong.argmax())
@@ -96,10 +117,19 @@ def _is_seldom(wrong: Bools, n: int) -> bool:
     return bool(wrong.sum() <= max(1, _SELDOM * n))
 
 
-def looks_of_sizes(footage: Footage, runs: Runs) -> Looks:
-    """Tell from how many bytes each picture takes what it looks like: a guess, where nothing is decoded."""
+def looks_of_sizes(footage: Footage, runs: Runs, images: dict[str, ImageSums]) -> Looks:
+    """Tell from how many bytes each picture takes what it looks like: where nothing is decoded, most of it is a guess.
+
+    Of images that stand in the data files, it is known which are the same.
+    """
     moves = robot_moves(runs)
-    return Looks([_look_of_sizes(footage, camera, moves) for camera in footage.claims.videos.value])
+    of_videos = [_look_of_sizes(footage, camera, moves) for camera in footage.claims.videos.value]
+    of_images = {camera: _look_of_images(camera, runs, sums, moves) for camera, sums in images.items()}
+    twins = [
+        Twin(of_images[camera], of_images[other], _episodes(runs, images[camera].prints == images[other].prints))
+        for other, camera in combinations(images, 2)
+    ]
+    return Looks([*of_videos, *of_images.values()], twins)
 
 
 def robot_moves(runs: Runs) -> Bools:
@@ -134,6 +164,30 @@ def _look_of_sizes(footage: Footage, camera: str, moves: Bools) -> Look:
         still_found=lambda row: f"{other[row]:.0f} bytes for a change of the picture, where {usual:.0f} are usual",
         mend=_LOOK,
     )
+
+
+def _look_of_images(camera: str, runs: Runs, sums: ImageSums, moves: Bools) -> Look:
+    same = sums.n_changes == 0
+    return Look(
+        camera=camera,
+        place=DATA_DIR,
+        number=runs.claims.stored.episodes.value.table.number,
+        flat=_episodes(runs, same & sums.tiny),
+        still=_episodes(runs, same) & moves,
+        flat_found=lambda _: "the same picture in all frames, no larger than one colour takes",
+        still_found=lambda _: "the same picture in all frames",
+        mend="",
+    )
+
+
+def _episodes(runs: Runs, wrong: Bools) -> Bools:
+    """Tell of each episode of the metadata whether it is one of these runs, and a long one."""
+    found: Bools = np.isin(runs.claims.stored.episodes.value.table.number, _numbers(runs, wrong))
+    return found
+
+
+def _numbers(runs: Runs, wrong: Bools) -> Ints:
+    return runs.number[wrong & (runs.stop - runs.start >= _LONG)]
 
 
 def _seem_still(long: Bools, change: Floats, alike: Bools, little: Floats) -> Bools:

@@ -8,6 +8,7 @@ import numpy as np
 from z2r.arrays import Ints
 from z2r.audits.claims import Claims
 from z2r.audits.findings import Finding
+from z2r.audits.footage import ImageSums
 from z2r.audits.frames import FileClaims, RunStats, joined
 from z2r.audits.labels import FileLabels
 
@@ -31,6 +32,8 @@ class FileSums(NamedTuple):
         What success, reward and done say.
     scene : object
         What the scene made of it; None where there is none, or its columns are not there.
+    images : dict of str to ImageSums
+        Of each feature whose pictures stand in it.
     """
 
     n_rows: int | None
@@ -40,6 +43,7 @@ class FileSums(NamedTuple):
     stats: dict[str, RunStats]
     labels: FileLabels | None
     scene: Any
+    images: dict[str, ImageSums]
 
 
 class Runs(NamedTuple):

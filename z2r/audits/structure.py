@@ -78,7 +78,10 @@ def stats_file(stored: Stored) -> Iterator[Answer]:
     yield from stored.stats.faults
 
 
-@Check("data-file", "every data file that the index names is there and can be read", "error").of(FileFrames)
+DATA_FILE = Check("data-file", "every data file that the index names is there and can be read", "error")
+
+
+@DATA_FILE.of(FileFrames)
 def data_file(frames: FileFrames) -> Iterator[Answer]:
     """Can the file be read?"""
     yield from frames.read.unreadable
