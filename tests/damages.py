@@ -213,7 +213,7 @@ def spoil_column(path: Path, column: str) -> None:
     """Overwrite the pages of one column."""
     data, group = bytearray(path.read_bytes()), pq.read_metadata(path).row_group(0)
     for chunk in (group.column(i) for i in range(group.num_columns)):
-        if chunk.path_in_schema.partition(".")[0] == column:
+        if f"{chunk.path_in_schema}.".startswith(f"{column}."):
             start = chunk.dictionary_page_offset or chunk.data_page_offset
             data[start : start + chunk.total_compressed_size] = b"\xff" * chunk.total_compressed_size
     path.write_bytes(data)

@@ -16,19 +16,22 @@ import msgspec
 from msgspec.structs import replace
 
 from z2r.arrays import Ints, Progress, no_progress
-from z2r.audits import index, joints, labels, motion, readiness, stats, structure, tasks, values
+from z2r.audits import cameras, index, joints, labels, motion, pictures, readiness, stats, structure, tasks, values
 from z2r.audits.claims import Claims, NoSchema, Stored, claims_under, read_claims
 from z2r.audits.findings import AUDIT, Finding, ask, failed
 from z2r.audits.following import fold_following, join_following, pairs_of
+from z2r.audits.footage import FileImages, Footage, join_images, read_file_images, read_footage, sum_images
 from z2r.audits.frames import FileClaims, FileFrames, file_claims, run_stats
 from z2r.audits.joints import Joints
 from z2r.audits.labels import Labels, fold_labels, join_labels
+from z2r.audits.pictures import Looks, looks_of_sizes
 from z2r.audits.readiness import standstill
 from z2r.audits.runs import FileSums, Runs, join_runs
 from z2r.audits.steps import moves, run_steps
 from z2r.audits.tasks import fold_tasks
 from z2r.check import SEVERITIES, Check, asked_of, parts_in
 from z2r.errors import DatasetError, some
+from z2r.format.about import cameras_of
 from z2r.format.dataset import in_order
 from z2r.format.schema import ACTION, MAX_SIGNAL_SIZE, Schema
 from z2r.format.tables import read_data_file
@@ -40,7 +43,7 @@ from z2r.reading.stored import label_in
 
 MAX_OF_A_CHECK = 5  # findings in detail: a fault that is in every file would hide the others
 
-PARTS = parts_in(structure, index, tasks, values, joints, motion, stats, labels, readiness)
+PARTS = parts_in(structure, index, tasks, values, joints, motion, stats, labels, readiness, cameras, pictures)
 """What every dataset is asked, in the order in which findings come."""
 
 
@@ -164,7 +167,9 @@ def audit(
     files = file_claims(claims, under_mode=mode is not None)
     sums = _fold_files(claims, files, scene, progress, executor)
     findings += [finding for part in sums for finding in part.findings]
-    findings += _ask_of_all(claims, files, sums, scene)
+    runs = join_runs(claims, files, sums)
+    findings += _ask_of_all(claims, files, sums, runs, scene)
+    findings += _ask_of_cameras(claims, runs, sums, executor)
     return Audit(
         *_in_order(findings, all_checks(scene)),
         not_checked=(*_failed(findings), *_not_checked(claims, sums, scene)),
@@ -200,6 +205,8 @@ def _fold_file(
         findings = [_of_the_file(each, claims) for each in ask(asked_of(FileFrames, PARTS), frames)]
         if not frames.read.n_rows:
             return FileSums(frames.read.n_rows, findings)
+        images = read_file_images(root, frames)
+        findings += ask(asked_of(FileImages, PARTS), images)
         number, starts, signals = frames.counts.get("episode_index"), frames.run_starts, frames.signals
         return FileSums(
             n_rows=frames.read.n_rows,
@@ -213,6 +220,7 @@ def _fold_file(
             scene=_fold_scene(scene, frames, reading, findings),
             idle=standstill(signals, starts),
             tasks=fold_tasks(frames),
+            images=sum_images(images),
         )
     except Exception as error:
         return FileSums(None, [failed(claims.path.as_posix(), error)])
@@ -236,10 +244,9 @@ def _fold_scene(scene: Scene | None, frames: FileFrames, reading: Reading | None
 
 
 def _ask_of_all(
-    claims: Claims, files: Sequence[FileClaims], sums: Sequence[FileSums], scene: Scene | None
+    claims: Claims, files: Sequence[FileClaims], sums: Sequence[FileSums], runs: Runs | None, scene: Scene | None
 ) -> Iterator[Finding]:
     """Ask what only all files together can answer."""
-    runs = join_runs(claims, files, sums)
     if runs:
         yield from ask(asked_of(Runs, PARTS), runs)
         said = [part for number in runs.read if (part := sums[number].labels)]
@@ -254,6 +261,21 @@ def _ask_of_all(
         folded = [(file.path, part.scene) for file, part in zip(files, sums, strict=True) if part.n_rows]
         paths, scene_sums = zip(*folded, strict=True)
         yield from ask(scene.checks, SceneSums(claims.root, claims.episodes, claims.reading, paths, scene_sums))
+
+
+def _ask_of_cameras(
+    claims: Claims, runs: Runs | None, sums: Sequence[FileSums], executor: Executor | None
+) -> Iterator[Finding]:
+    try:
+        footage = read_footage(claims, executor)
+        images = join_images([sums[number].images for number in runs.read]) if runs else {}
+        looks = looks_of_sizes(footage, runs, images) if runs else None
+    except Exception as error:
+        yield failed("the pictures", error)
+        return
+    yield from ask(asked_of(Footage, PARTS), footage)
+    if looks:
+        yield from ask(asked_of(Looks, PARTS), looks)
 
 
 def _has_scene(sums: Sequence[FileSums]) -> bool:
@@ -274,9 +296,12 @@ def _not_checked(claims: Claims, sums: Sequence[FileSums], scene: Scene | None) 
     if gaps:
         yield f"jumps, standstill and statistics of {some(sorted(gaps))}: not all values are numbers"
     features = claims.schema.features.items()
-    pictures = [name for name, feature in features if not feature.is_numeric]
-    if pictures:
-        yield f"pictures and text: {some(pictures)} (only that the files are there)"
+    cameras = [camera.name for camera in cameras_of(claims.schema)]
+    if cameras:
+        yield f"what {some(cameras)} show: no picture was decoded, and sizes only hint at it (--pictures decodes)"
+    others = [name for name, feature in features if not feature.is_numeric and name not in cameras]
+    if others:
+        yield f"the text in {some(others)}"
     wide = [name for name, feature in features if feature.is_numeric and feature.size > MAX_SIGNAL_SIZE]
     if wide:
         yield f"the values of {some(wide)}: more than {MAX_SIGNAL_SIZE} numbers a frame"

@@ -14,7 +14,7 @@ from z2r.format.episodes import EpisodeIndex, EpisodeTable
 from z2r.format.schema import Schema, read_schema
 from z2r.format.store import find
 from z2r.format.tables import Episodes, Read, Stated, Tasks, read_episodes, read_stated, read_stats, read_tasks
-from z2r.format.videos import Videos, read_videos
+from z2r.format.videos import Spans, read_videos
 from z2r.reading.breaks import BreakMode
 from z2r.reading.reading import Reading
 
@@ -51,8 +51,8 @@ class Claims(NamedTuple):
         All that stands in its tables.
     schema, table, paths : Schema, EpisodeTable, sequence of Path
         What a frame is, where episodes end, and the data files, relative to `root`, in the order of their frames.
-    videos : Read of Videos
-        The videos that are named.
+    videos : Read of dict of str to Spans
+        Where the episodes are in the videos of each camera.
     found : Read of tuple of Path
         The parquet files and videos that are there, named or not, relative to `root`.
     reading : Reading or None
@@ -66,7 +66,7 @@ class Claims(NamedTuple):
     schema: Schema
     table: EpisodeTable
     paths: Sequence[Path]
-    videos: Read[Videos]
+    videos: Read[dict[str, Spans]]
     found: Read[tuple[Path, ...]]
     reading: Reading | None
     trusted: bool

@@ -9,6 +9,7 @@ from z2r.arrays import Floats, Ints, join
 from z2r.audits.claims import Claims
 from z2r.audits.findings import Finding
 from z2r.audits.following import Following
+from z2r.audits.footage import ImageSums
 from z2r.audits.frames import FileClaims, RunStats, joined
 from z2r.audits.labels import FileLabels
 from z2r.audits.steps import RunSteps, join_steps
@@ -41,6 +42,8 @@ class FileSums(NamedTuple):
         In how many frames nothing moves, in the beginning and in the end of each run.
     tasks : ndarray, int64[n, 2], or None
         Which runs have a frame of which task: pairs of a run and a `task_index`.
+    images : dict of str to ImageSums
+        Of each feature whose pictures stand in it.
     """
 
     n_rows: int | None
@@ -54,6 +57,7 @@ class FileSums(NamedTuple):
     scene: Any = None
     idle: Ints | None = None
     tasks: Ints | None = None
+    images: dict[str, ImageSums] = {}  # noqa: RUF012
 
 
 class Runs(NamedTuple):

@@ -77,15 +77,21 @@ def stats_file(stored: Stored) -> Iterator[Answer]:
     yield from stored.stats.faults
 
 
-@Check("data-file", "every data file that the index names is there and can be read", "error").of(FileFrames)
+DATA_FILE = Check("data-file", "every data file that the index names is there and can be read", "error")
+
+
+@DATA_FILE.of(FileFrames)
 def data_file(frames: FileFrames) -> Iterator[Answer]:
     """Can the file be read?"""
     yield from frames.read.unreadable
 
 
-@Check("video-file", "every video that the index names is there", "error").of(Claims)
-def video_file(claims: Claims) -> Iterator[Answer]:
-    """Are all videos there?"""
+VIDEO_FILE = Check("video-file", "every video that the index names is there and can be read", "error")
+
+
+@VIDEO_FILE.of(Claims)
+def videos_are_named(claims: Claims) -> Iterator[Answer]:
+    """Does the metadata say which videos there are? Whether they are, their index says."""
     yield from claims.videos.faults
 
 
@@ -122,9 +128,9 @@ def no_orphan_table(claims: Claims) -> Iterator[Answer]:
 @ORPHAN_FILE.of(Claims)
 def no_orphan_video(claims: Claims) -> Iterator[Answer]:
     """Is there a video that no episode is in?"""
-    named, known = claims.videos.value
-    for path in claims.found.value if known else ():
-        if path.suffix == ".mp4" and path.as_posix() not in named:
+    named = {path for spans in claims.videos.value.values() for path in spans.paths}
+    for path in () if claims.videos.faults else claims.found.value:
+        if path.suffix == ".mp4" and path not in named:
             yield Fault(path, "", "a video that no episode is in", "only those that the index names")
 
 

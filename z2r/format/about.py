@@ -145,6 +145,19 @@ def cameras_of(schema: Schema) -> tuple[Camera, ...]:
     return tuple(_camera(name, feature) for name, feature in features if feature.dtype in _PICTURES)
 
 
+def axes_of(feature: Feature) -> dict[Any, int]:
+    """Name the sizes of a picture, which is stored as (height, width, channels) or the other way round."""
+    names = feature.names if isinstance(feature.names, list | tuple) else []
+    fits = len(names) == len(feature.shape) and all(isinstance(name, str) for name in names)
+    return dict(zip(names, feature.shape, strict=True)) if fits else {}
+
+
+def said_of(feature: Feature) -> dict[str, Any]:
+    """Return what the schema says of a video beside its shape, such as ``video.fps``: any value may stand there."""
+    said = [info for info in (feature.video_info, feature.info) if isinstance(info, dict)]
+    return {key: value for info in said for key, value in info.items()}
+
+
 def _first(lines: list[str]) -> list[str]:
     more = len(lines) - _MAX_LINES
     return lines if more <= 0 else [*lines[:_MAX_LINES], f"and {more:,} more"]
@@ -155,8 +168,7 @@ def _text_columns(schema: Schema) -> tuple[str, ...]:
 
 
 def _camera(name: str, feature: Feature) -> Camera:
-    said = _said(feature.video_info) | _said(feature.info)
-    axes = _axes(feature)
+    said, axes = said_of(feature), axes_of(feature)
     return Camera(
         name=name,
         height=_count(axes.get("height", said.get("video.height"))),
@@ -164,17 +176,6 @@ def _camera(name: str, feature: Feature) -> Camera:
         fps=_rate(said.get("video.fps")),
         codec=_text(said.get("video.codec")),
     )
-
-
-def _axes(feature: Feature) -> dict[Any, int]:
-    """Name the sizes of a picture, which is stored as (height, width, channels) or the other way round."""
-    names = feature.names if isinstance(feature.names, list | tuple) else []
-    fits = len(names) == len(feature.shape) and all(isinstance(name, str) for name in names)
-    return dict(zip(names, feature.shape, strict=True)) if fits else {}
-
-
-def _said(info: Any) -> dict[str, Any]:
-    return info if isinstance(info, dict) else {}
 
 
 def _text(value: Any) -> str | None:

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
+from numpy.typing import NDArray
 
 from z2r.arrays import Array, Bools, Ints
 from z2r.errors import DatasetError, Fault, some
@@ -21,6 +22,7 @@ from z2r.format.store import check_no_pointer, fault_of, open_mapped
 _UNREADABLE = (pa.ArrowException, OSError, UnicodeDecodeError)
 _NUMERIC = "numbers, one for each frame"
 _MAX_NUMBERS = 2**28  # in one file: 1 GiB of float32
+_MAX_BLOBS, _MAX_BLOB_BYTES = 64, 2**28  # at a time
 
 
 def open_parquet(path: Path) -> pq.ParquetFile:
@@ -185,6 +187,46 @@ def _text_sets(lists: pa.Array, column: str, path: Path) -> Iterator[set[str]]:
     known, places = _decoded(lists.values.dictionary, column, path), lists.values.indices.to_pylist()
     for start, stop in itertools.pairwise(lists.offsets.to_pylist()):
         yield {known[place] for place in places[start:stop] if place is not None}
+
+
+def blobs(file: pq.ParquetFile, column: str, field: str, path: Path) -> Iterator[tuple[NDArray[np.uint8], Ints]]:
+    """Yield the bytes in one field of a column of structs, for some rows at a time: fewer, where they may be large.
+
+    Yields
+    ------
+    data : ndarray, uint8[n_bytes]
+    offsets : ndarray, int64[n + 1]
+        Where in `data` each row begins and ends: nowhere, where nothing is stored.
+
+    Raises
+    ------
+    DatasetError
+        If the column is missing or of another type, or cannot be decoded.
+    """
+    stored, expected = file.schema_arrow, f"bytes in a field {field}"
+    if stored.names.count(column) != 1:
+        raise DatasetError(Fault(path, column, "no such column", expected))
+    kind = stored.field(column).type
+    place = kind.get_field_index(field) if pa.types.is_struct(kind) else -1
+    if place < 0 or kind.field(place).type not in (pa.binary(), pa.large_binary()):
+        raise DatasetError(Fault(path, column, f"values of type {kind}", expected))
+    leaf, dtype = f"{column}.{field}", np.int32 if kind.field(place).type == pa.binary() else np.int64
+    try:
+        for batch in file.iter_batches(_rows_at_a_time(file, leaf), columns=[leaf], use_threads=False):
+            [array] = batch.column(0).flatten()
+            _, offsets, data = array.buffers()
+            places = np.frombuffer(offsets, dtype)[array.offset :][: len(array) + 1].astype(np.int64)
+            yield np.frombuffer(data or b"", np.uint8), places
+    except _UNREADABLE as error:
+        raise _unreadable(path, error) from error
+
+
+def _rows_at_a_time(file: pq.ParquetFile, leaf: str) -> int:
+    """Say how many rows to read at a time, so that they fit, were each of them as large as all of a row group."""
+    groups = (file.metadata.row_group(number) for number in range(file.metadata.num_row_groups))
+    chunks = (group.column(place) for group in groups for place in range(group.num_columns))
+    largest = max((chunk.total_uncompressed_size for chunk in chunks if chunk.path_in_schema == leaf), default=1)
+    return max(1, min(_MAX_BLOBS, _MAX_BLOB_BYTES // max(largest, 1)))
 
 
 def vectors(table: pa.Table, column: str, shape: Sequence[int], path: Path) -> Array:

@@ -3,6 +3,7 @@
 A dataset is untrusted input: no path leaves its folder, no size is believed, and nothing that may never end is opened.
 """
 
+import hashlib
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -109,6 +110,21 @@ def read_bytes(path: Path, max_bytes: int, expected: str, mend: str = _AGAIN) ->
         raise DatasetError(fault_of(error, path, expected, mend)) from error
     check_no_pointer(path, expected)
     return raw
+
+
+def digest(path: Path) -> bytes:
+    """Return the sha256 of a file, of which little is in memory at a time.
+
+    Raises
+    ------
+    DatasetError
+        If it cannot be read.
+    """
+    try:
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").digest()
+    except OSError as error:
+        raise DatasetError(fault_of(error, path, "a file that can be read")) from None
 
 
 def check_no_pointer(path: Path, expected: str) -> None:

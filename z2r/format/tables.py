@@ -104,7 +104,7 @@ def join_shards(schema: Schema, shards: Sequence[Mapping[str, Ints]]) -> tuple[E
     """Put the rows of all shards into one table, and list the data files that they name."""
     nothing = np.array([], dtype=np.int64)
     columns = {name: np.concatenate([nothing, *(shard[name] for shard in shards)]) for name in EPISODE_COLUMNS}
-    file_number, pointers = _count_files(columns["data/chunk_index"], columns["data/file_index"])
+    file_number, pointers = count_files(columns["data/chunk_index"], columns["data/file_index"])
     table = EpisodeTable(
         number=columns["episode_index"],
         start=columns["dataset_from_index"],
@@ -177,7 +177,7 @@ def _place_columns(parquet: pq.ParquetFile, path: Path) -> dict[str, Ints]:
     return {name: integers(table, name, path) for name in EPISODE_COLUMNS}
 
 
-def _count_files(chunk: Ints, file: Ints) -> tuple[Ints, list[tuple[int, int]]]:
+def count_files(chunk: Ints, file: Ints) -> tuple[Ints, list[tuple[int, int]]]:
     """Count the data files in the order of their numbers: which one each row names, and what each is called."""
     order = np.lexsort((file, chunk))
     pointers = np.stack([chunk, file])[:, order]  # (2, n_rows)

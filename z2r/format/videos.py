@@ -1,6 +1,7 @@
-"""Which videos does a dataset name, and are they there?
+"""Which videos does a dataset name, where in them are its episodes, and what is in them?
 
-`meta/info.json` gives the template of their paths, and each row of the episode metadata the numbers that go into it.
+`meta/info.json` gives the template of their paths, and each row of the episode metadata the numbers that go into it,
+and from when to when the episode is shown.
 """
 
 import re
@@ -8,20 +9,36 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
+
+from z2r.arrays import Floats, Ints
 from z2r.errors import DatasetError, Fault
-from z2r.format.parquet import integers, open_parquet, read_columns
+from z2r.format.mp4 import VideoIndex, read_video_index
+from z2r.format.parquet import integers, open_parquet, read_columns, vectors
 from z2r.format.schema import INFO_PATH, Schema
-from z2r.format.store import check_no_pointer, inside, is_file
-from z2r.format.tables import Read
+from z2r.format.store import inside, is_file
+from z2r.format.tables import Read, count_files
 
 _EXAMPLE = "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"
 
 
-class Videos(NamedTuple):
-    """The videos that the episode metadata names, relative to the dataset; `known` where all names could be read."""
+class Spans(NamedTuple):
+    """Where the episodes are in the videos of one camera: a row for each, in the order of the episode metadata.
 
-    paths: tuple[str, ...]
-    known: bool
+    Attributes
+    ----------
+    paths : tuple of Path
+        Its videos, relative to the dataset, in the order of their numbers.
+    file_number : ndarray, int64[n_episodes]
+        Which of them shows the episode.
+    start, stop : ndarray, float64[n_episodes]
+        From when to when [s].
+    """
+
+    paths: tuple[Path, ...]
+    file_number: Ints
+    start: Floats
+    stop: Floats
 
 
 def video_features(schema: Schema) -> list[str]:
@@ -29,8 +46,8 @@ def video_features(schema: Schema) -> list[str]:
     return [name for name, feature in schema.features.items() if feature.dtype == "video"]
 
 
-def read_videos(root: Path, schema: Schema, video_path: str | None, shards: Sequence[Path]) -> Read[Videos]:
-    """Find the videos that these shards of the episode metadata name, and look whether they are there.
+def read_videos(root: Path, schema: Schema, video_path: str | None, shards: Sequence[Path]) -> Read[dict[str, Spans]]:
+    """Read what these shards of the episode metadata say of the videos: those of each camera of which they say it all.
 
     Parameters
     ----------
@@ -41,33 +58,43 @@ def read_videos(root: Path, schema: Schema, video_path: str | None, shards: Sequ
     video_path : str or None
         The template of their paths that `meta/info.json` gives.
     shards : sequence of Path
-        Relative to `root`.
+        Relative to `root`, those that `read_episodes` could read.
     """
-    paths: dict[str, list[int]] = {}
-    try:
-        for name in video_features(schema):
-            paths |= _named(root, name, _checked_template(video_path), shards)
-    except DatasetError as error:
-        return Read(Videos(tuple(paths), known=False), (error.fault.relative_to(root),))
-    faults = (
-        fault._replace(episodes=tuple(episodes)) for path, episodes in paths.items() for fault in _missing(root, path)
-    )
-    return Read(Videos(tuple(paths), known=True), tuple(faults))
+    spans: dict[str, Spans] = {}
+    faults = []
+    for name in video_features(schema):
+        try:
+            spans[name] = _spans(root, name, _checked_template(video_path), shards)
+        except DatasetError as error:
+            faults.append(error.fault.relative_to(root))
+    return Read(spans, tuple(dict.fromkeys(faults)))
 
 
-def _named(root: Path, name: str, template: str, shards: Sequence[Path]) -> dict[str, list[int]]:
-    """Find the videos of one camera, in the order of their numbers, and the episodes that are in each."""
-    columns = [f"videos/{name}/chunk_index", f"videos/{name}/file_index", "episode_index"]
-    named: dict[tuple[int, int], list[int]] = {}
-    for shard in shards:
-        table = read_columns(open_parquet(root / shard), root / shard, columns)
-        values = (integers(table, column, root / shard).tolist() for column in columns)
-        for chunk, file, episode in zip(*values, strict=True):
-            named.setdefault((chunk, file), []).append(episode)
-    return {
-        template.format(video_key=name, chunk_index=chunk, file_index=file): episodes
-        for (chunk, file), episodes in sorted(named.items())
-    }
+def read_video(root: Path, path: Path) -> VideoIndex:
+    """Read the index of a video that the metadata names; `path` is relative to `root`.
+
+    Raises
+    ------
+    DatasetError
+        If it is not there, or cannot be read.
+    """
+    if not is_file(inside(root, path)):
+        raise DatasetError(Fault(root / path, "", "no such file", "a video", _way_to_a_video(root, path)))
+    return read_video_index(root, path)
+
+
+def _spans(root: Path, name: str, template: str, shards: Sequence[Path]) -> Spans:
+    whole = [f"videos/{name}/{key}" for key in ("chunk_index", "file_index")]
+    times = [f"videos/{name}/{key}" for key in ("from_timestamp", "to_timestamp")]
+    pointers: list[Ints] = [np.empty((2, 0), np.int64)]
+    spans: list[Floats] = [np.empty((2, 0))]
+    for shard in (root / shard for shard in shards):
+        table = read_columns(open_parquet(shard), shard, [*whole, *times])
+        pointers.append(np.stack([integers(table, column, shard) for column in whole]))
+        spans.append(np.stack([vectors(table, column, (1,), shard)[:, 0].astype(np.float64) for column in times]))
+    file_number, named = count_files(*np.concatenate(pointers, axis=1))
+    paths = [Path(template.format(video_key=name, chunk_index=chunk, file_index=file)) for chunk, file in named]
+    return Spans(tuple(paths), file_number, *np.concatenate(spans, axis=1))
 
 
 def _checked_template(video_path: str | None) -> str:
@@ -78,19 +105,8 @@ def _checked_template(video_path: str | None) -> str:
     return video_path
 
 
-def _missing(root: Path, path: str) -> list[Fault]:
-    try:
-        if is_file(inside(root, path)):
-            check_no_pointer(root / path, "a video")
-            return []
-        return [Fault(Path(path), "", "no such file", "a video", _way_to_a_video(root, path))]
-    except DatasetError as error:
-        return [error.fault.relative_to(root)]
-
-
-def _way_to_a_video(root: Path, path: str) -> str:
+def _way_to_a_video(root: Path, path: Path) -> str:
     """Some people's videos stand in `video/`, where no reader looks for them."""
-    first, _, rest = path.partition("/")
-    if first == "videos" and is_file(inside(root, f"video/{rest}")):
+    if path.parts[0] == "videos" and is_file(inside(root, Path("video", *path.parts[1:]))):
         return "It is in a folder video: rename that to videos"
     return "Copy or download it again"

@@ -1,0 +1,624 @@
+"""Do the pictures belong to the frames? Indices of videos against FFmpeg, and every fault of a camera is named."""
+
+import itertools
+import os
+import random
+import re
+import shutil
+import struct
+import tempfile
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+
+import av
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+from damages import (
+    DATA,
+    EPISODES,
+    EPISODES_DIR,
+    INFO,
+    edit_column,
+    edit_feature,
+    leave_pointer,
+    read_json,
+    spoil_column,
+    truncate,
+)
+from filmed import (
+    CAMERAS,
+    FPS,
+    FRONT,
+    LENGTHS,
+    SIDE,
+    SIZE,
+    Film,
+    encoded,
+    film,
+    video,
+    wander,
+    write_filmed,
+    write_photographed,
+    write_video,
+)
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from test_audit import said
+
+import z2r
+from z2r.audits import cameras, pictures
+from z2r.check import parts_in
+from z2r.format import mp4
+from z2r.format.mp4 import VideoIndex, read_video_index
+
+pytestmark = pytest.mark.filterwarnings("error")
+
+N_FRAMES = sum(LENGTHS)
+
+
+@pytest.fixture(scope="session")
+def filmed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    root = tmp_path_factory.mktemp("filmed") / "dataset"
+    write_filmed(root)
+    return root
+
+
+@pytest.fixture
+def root(filmed: Path, tmp_path: Path) -> Path:
+    """A copy, to be damaged."""
+    return Path(shutil.copytree(filmed, tmp_path / "dataset"))
+
+
+# --- the index of a video, against FFmpeg
+
+
+def index_of(path: Path) -> VideoIndex:
+    return read_video_index(path.parent, Path(path.name))
+
+
+def assert_is_what_ffmpeg_says(path: Path) -> None:
+    index = index_of(path)
+    with av.open(path) as file:
+        stream = file.streams.video[0]
+        times = [float(frame.pts * stream.time_base) for frame in file.decode(stream)]
+        assert (index.codec, index.height, index.width) == (stream.codec.canonical_name, stream.height, stream.width)
+        assert index.duration == pytest.approx(float((stream.start_time + stream.duration) * stream.time_base))
+    assert index.times == pytest.approx(times)
+    assert index.fps == pytest.approx(1 / np.median(np.diff(times)))
+    with av.open(path) as file:
+        packets = [packet for packet in file.demux(video=0) if packet.size and not packet.is_discard]
+    packets.sort(key=lambda packet: packet.pts)
+    assert index.sizes.tolist() == [packet.size for packet in packets]
+    assert index.is_key.tolist() == [packet.is_keyframe for packet in packets]
+
+
+PICTURES = [list(film(FRONT, 0, wander(0, 50)))]
+QUIET = {"x265-params": "log-level=none"}
+
+
+@pytest.mark.parametrize("fps", [7, 30])
+@pytest.mark.parametrize(
+    ("codec", "options"),
+    [
+        ("libx264", {"g": "2"}),
+        ("libx264", {"g": "20", "bf": "3"}),
+        ("libx265", {"g": "2"} | QUIET),
+        ("libx265", {"g": "20"} | QUIET),
+        ("libsvtav1", {"g": "2"}),
+        ("libsvtav1", {"g": "30"}),
+        ("libvpx-vp9", {"g": "20", "deadline": "realtime"}),
+    ],
+)
+def test_an_index_is_what_ffmpeg_says(codec, options, fps, tmp_path):
+    write_video(tmp_path / "a.mp4", PICTURES, codec, fps, **options)
+    assert_is_what_ffmpeg_says(tmp_path / "a.mp4")
+
+
+def remux(source: Path, target: Path, options: tuple = (), after: Fraction = Fraction(0), sound: bool = False) -> None:
+    """Write the same pictures into another file: later, or beside sound."""
+    with av.open(source) as old, av.open(target, "w", options=dict(options)) as new:
+        noise = new.add_stream("aac", rate=8000, layout="mono") if sound else None
+        copy = new.add_stream_from_template(old.streams.video[0], opaque=True)
+        copy.time_base = old.streams.video[0].time_base
+        if noise:
+            silence = av.AudioFrame.from_ndarray(np.zeros((1, 1024), np.float32), format="fltp", layout="mono")
+            silence.sample_rate = 8000
+            new.mux(noise.encode(silence) + noise.encode())
+        for packet in old.demux(video=0):
+            if packet.dts is not None:
+                packet.pts += int(after / packet.time_base)
+                packet.dts += int(after / packet.time_base)
+                packet.stream = copy
+                new.mux(packet)
+
+
+@pytest.mark.parametrize(
+    "how",
+    [
+        {},
+        {"options": [("use_editlist", "0")]},
+        {"after": Fraction(3, 10)},
+        {"after": Fraction(-2, 10)},
+        {"sound": True},
+    ],
+    ids=["index at the end", "no list of cuts", "begins later", "begins earlier", "with sound"],
+)
+def test_an_index_of_another_layout_is_what_ffmpeg_says(how, tmp_path):
+    write_video(tmp_path / "a.mp4", PICTURES, g="20", bf="3")
+    remux(tmp_path / "a.mp4", tmp_path / "b.mp4", **how)
+    assert_is_what_ffmpeg_says(tmp_path / "b.mp4")
+
+
+@pytest.fixture(scope="session")
+def small_video(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    path = tmp_path_factory.mktemp("video") / "a.mp4"
+    write_video(path, PICTURES, g="20", bf="3")
+    return path.read_bytes()
+
+
+def answer(data: bytes) -> VideoIndex | z2r.DatasetError:
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / "a.mp4").write_bytes(data)
+        try:
+            return read_video_index(Path(folder), Path("a.mp4"))
+        except z2r.DatasetError as error:
+            return error
+
+
+@settings(max_examples=300)
+@given(seed=st.integers(0, 2**32))
+def test_a_damaged_video_is_an_error_or_an_index(small_video, seed):
+    rng, data = random.Random(seed), bytearray(small_video)
+    index = data.index(b"moov")
+    for _ in range(rng.choice((1, 1, 2, 8))):
+        place = rng.randrange(rng.choice((0, index)), len(data) - 4)
+        data[place : place + rng.choice((1, 1, 4, 4, 100))] = rng.choice(
+            (b"", b"\0", b"\xff", b"\xff" * 4, b"\0" * 4, b"\0\0\0\1", b"\x7f\xff\xff\xff", rng.randbytes(4))
+        )
+    found = answer(bytes(data))
+    if isinstance(found, VideoIndex):
+        assert len(found.times) == len(found.sizes) == len(found.is_key)
+        assert found.sizes.sum() <= len(data)
+
+
+@given(share=st.floats(0, 0.999))
+def test_a_video_that_is_cut_anywhere_is_an_error(small_video, share):
+    for data in (small_video, index_first(small_video)):
+        assert isinstance(answer(data[: int(share * len(data))]), z2r.DatasetError)
+
+
+def index_first(data: bytes) -> bytes:
+    """Put the index before the pictures, as LeRobot does when it joins videos; where they are then does not matter."""
+    start = data.index(b"moov") - 4
+    [size] = struct.unpack_from(">I", data, start)
+    first = data.index(b"mdat") - 4
+    return data[:first] + data[start : start + size] + data[first:start] + data[start + size :]
+
+
+def in_table(kind: bytes, *numbers: int, at: int = 4) -> Callable[[bytes], bytes]:
+    """Write numbers into a box, `at` so many bytes after its name."""
+
+    def change(data: bytes) -> bytes:
+        place = data.index(kind) + 4 + at
+        new = struct.pack(f">{len(numbers)}I", *numbers)
+        return data[:place] + new + data[place + len(new) :]
+
+    return change
+
+
+def boxes(n: int) -> bytes:
+    return struct.pack(">I4s", 8, b"free") * n
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (lambda data: b"", "no index (moov) in its 0 bytes"),
+        (lambda data: b"RIFF" + data, "no mp4"),
+        (lambda data: data[:32] + boxes(5000), "no index (moov)"),
+        (lambda data: data.replace(b"vide", b"soun"), "no video among its tracks"),
+        (lambda data: data.replace(b"stsz", b"stsy"), "no stsz"),
+        (in_table(b"stsz", 0, 2**32 - 1), "4,294,967,295 pictures"),
+        (in_table(b"stsz", 1, 2**22), "4,194,304 pictures"),
+        (in_table(b"stsz", 2**31, 50), "50 pictures"),
+        (in_table(b"stsz", 0, 50, 2**31), "bytes in a file of"),
+        (in_table(b"stts", 1, 2**31), "for 2,147,483,648 pictures"),
+        (in_table(b"stts", 2**32 - 1), "moov"),
+        (in_table(b"stss", 2**30), "moov"),
+        (in_table(b"mdhd", 0, at=12), "mdhd counts no time"),
+        (in_table(b"elst", 2**31), "2,147,483,648 cuts"),
+        (lambda data: data.replace(b"moov", b"moof"), "fragmented"),
+        (in_table(b"moov", 2**31 - 1, at=-8), "cut off"),
+    ],
+)
+def test_no_size_in_a_video_is_believed(change, says, small_video):
+    error = answer(change(small_video))
+    assert isinstance(error, z2r.DatasetError)
+    assert says in str(error)
+
+
+def test_an_index_of_a_gigabyte_is_not_read(tmp_path):
+    path = tmp_path / "a.mp4"
+    path.write_bytes(struct.pack(">I4s", 2**30, b"moov"))
+    os.truncate(path, 2**30)
+    with pytest.raises(z2r.DatasetError, match="at most"):
+        index_of(path)
+
+
+def test_cuts_that_show_pictures_again_and_again_are_not_followed(small_video, monkeypatch):
+    monkeypatch.setattr(mp4, "_MAX_PICTURES", 60)
+    cut = struct.pack(">IiI", 0, 0, 1 << 16)
+    place = small_video.index(b"edts") - 4
+    again = b"elst" + struct.pack(">II", 0, 2) + 2 * cut
+    elst = struct.pack(">I", len(again) + 4) + again
+    edts = struct.pack(">I4s", len(elst) + 8, b"edts") + elst
+    [size] = struct.unpack_from(">I", small_video, place)
+    data = bytearray(small_video[:place] + edts + small_video[place + size :])
+    for kind in (b"moov", b"trak"):
+        start = data.index(kind) - 4
+        struct.pack_into(">I", data, start, struct.unpack_from(">I", data, start)[0] + len(edts) - size)
+    assert "again and again" in str(answer(bytes(data)))
+    monkeypatch.undo()
+    assert len(answer(bytes(data)).times) == 100
+
+
+# --- no fault
+
+
+def silent(root: Path, **how: bool) -> z2r.Audit:
+    audit = z2r.audit(root, **how)
+    assert not audit.findings, said(audit)
+    return audit
+
+
+def test_nothing_is_said_of_videos_that_are_whole(filmed):
+    audit = silent(filmed)
+    assert audit.n_frames == N_FRAMES
+
+
+@pytest.mark.parametrize("codec", ["libsvtav1", "libx265"])
+def test_nothing_is_said_of_several_videos_of_another_codec(codec, tmp_path):
+    write_filmed(tmp_path / "dataset", codec=codec, files=[3, 1, 4])
+    silent(tmp_path / "dataset")
+
+
+def test_nothing_is_said_of_what_lerobot_writes_and_it_reads_what_is_laid_out_here(filmed, tmp_path):
+    from lerobot.datasets.lerobot_dataset import LeRobotDataset
+
+    features = {name: value for name, value in read_json(filmed, INFO)["features"].items() if name.count("index") == 0}
+    del features["timestamp"]
+    where = {"repo_id": "test/test", "root": tmp_path / "dataset", "video_backend": "pyav"}
+    written = LeRobotDataset.create(**where, fps=FPS, features=features, video_files_size_in_mb=0.02)
+    for episode, n_frames in enumerate(LENGTHS[:4]):
+        states = wander(episode, n_frames)
+        for state, *views in zip(states, *(film(camera, episode, states) for camera in CAMERAS), strict=True):
+            seen = dict(zip(CAMERAS, views, strict=True))
+            written.add_frame({"observation.state": state, "action": state, "task": "test"} | seen)
+        written.save_episode()
+    written.finalize()
+    assert len(list(tmp_path.rglob("*.mp4"))) > len(CAMERAS)
+    silent(tmp_path / "dataset")
+
+    read = LeRobotDataset("test/test", root=filmed, video_backend="pyav")
+    pictures = list(film(SIDE, 1, wander(1, LENGTHS[1])))
+    for frame in (0, 40, LENGTHS[1] - 1):
+        seen = read[LENGTHS[0] + frame][SIDE].numpy().transpose(1, 2, 0)
+        assert np.abs(255 * seen - pictures[frame]).mean() < 12
+
+
+# --- every fault
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One fault: what is done, the checks that must find it and no other, and what the first must say."""
+
+    do: Callable[[Path], object]
+    checks: str
+    file: str
+    says: str = ""
+    severity: str = "error"
+
+
+def lay(camera: str, **how: object) -> Callable[[Path], None]:
+    """Encode the video of a camera again, otherwise."""
+    size, lengths = how.pop("size", SIZE), how.pop("lengths", LENGTHS)
+
+    def do(root: Path) -> None:
+        episodes = [list(film(camera, episode, wander(episode, n))) for episode, n in enumerate(lengths)]
+        episodes = [[picture[: size[0], : size[1]] for picture in pictures] for pictures in episodes]
+        write_video(video(root, camera), episodes, **how)
+
+    return do
+
+
+def smaller_side(root: Path) -> None:
+    """Let one camera have a smaller picture, and say so."""
+    lay(SIDE, size=(64, 64))(root)
+    edit_feature(root, SIDE, shape=[64, 64, 3], info={"video.height": 64, "video.width": 64})
+
+
+def exchange_cameras(root: Path) -> None:
+    front, side = (video(root, camera) for camera in CAMERAS)
+    aside = front.with_name("aside")
+    front.rename(aside)
+    side.rename(front)
+    aside.rename(side)
+
+
+def change_span(key: str, change: Callable[[np.ndarray], object], camera: str = SIDE) -> Callable[[Path], None]:
+    def in_place(values: list[float]) -> list[float]:
+        array = np.array(values)
+        change(array)
+        return array.tolist()
+
+    return lambda root: edit_column(root, EPISODES, f"videos/{camera}/{key}", in_place)
+
+
+def at(row: int, value: float, keys: tuple[str, ...] = ("from_timestamp", "to_timestamp")) -> Callable[[Path], None]:
+    """Move the span of one episode, or one end of it."""
+
+    def do(root: Path) -> None:
+        for key in keys:
+            change_span(key, lambda values: np.add.at(values, row, value))(root)
+
+    return do
+
+
+def exchange_spans(root: Path) -> None:
+    for key in ("from_timestamp", "to_timestamp"):
+        change_span(key, lambda values: np.copyto(values, values[[4, 1, 2, 3, 0, *range(5, len(values))]]))(root)
+
+
+def one_more(root: Path) -> None:
+    lay(SIDE, lengths=[*LENGTHS[:-1], LENGTHS[-1] + 5])(root)
+
+
+def retype(column: str, kind: pa.DataType, values: list) -> Callable[[Path], None]:
+    return lambda root: edit_column(root, EPISODES, column, lambda _: values, kind)
+
+
+def drop(column: str) -> Callable[[Path], None]:
+    def do(root: Path) -> None:
+        table = pq.read_table(root / EPISODES)
+        pq.write_table(table.drop_columns(column), root / EPISODES)
+
+    return do
+
+
+SIDE_VIDEO = f"videos/{SIDE}/chunk-000/file-000.mp4"
+SPAN = f"videos/{SIDE}"
+FAULTS = {
+    "missing": Fault(lambda root: video(root, SIDE).unlink(), "video-file", SIDE_VIDEO, "no such file"),
+    "a pointer": Fault(lambda root: leave_pointer(video(root, SIDE)), "video-file", SIDE_VIDEO, "git lfs pull"),
+    "a folder": Fault(
+        lambda root: (video(root, SIDE).unlink(), video(root, SIDE).mkdir()), "video-file", SIDE_VIDEO, "no such file"
+    ),
+    "empty": Fault(lambda root: video(root, SIDE).write_bytes(b""), "video-file", SIDE_VIDEO, "0 bytes"),
+    "cut off": Fault(lambda root: truncate(video(root, SIDE), 0.8), "video-file", SIDE_VIDEO, "cut off"),
+    "another kind of file": Fault(
+        lambda root: shutil.copy(root / EPISODES, video(root, SIDE)), "video-file", SIDE_VIDEO, "no mp4"
+    ),
+    "its file not named": Fault(drop(f"{SPAN}/file_index"), "video-file", EPISODES, f"{SPAN}/file_index"),
+    "its span not named": Fault(drop(f"{SPAN}/from_timestamp"), "video-file", EPISODES, f"{SPAN}/from_timestamp"),
+    "no span for one episode": Fault(
+        retype(f"{SPAN}/to_timestamp", pa.float64(), [None] * 8), "video-file", EPISODES, "no value in 8 of 8"
+    ),
+    "a span in words": Fault(
+        retype(f"{SPAN}/to_timestamp", pa.string(), ["x"] * 8), "video-file", EPISODES, f"{SPAN}/to_timestamp"
+    ),
+    "another size": Fault(lay(SIDE, size=(64, 64)), "camera-format", SIDE_VIDEO, "found 64 x 64, expected 72 x 96"),
+    "another size than info": Fault(
+        lambda root: edit_feature(root, SIDE, info={"video.height": 480, "video.width": 640}),
+        "camera-format",
+        SIDE_VIDEO,
+        "expected 480 x 640, as info",
+    ),
+    "another size, without names": Fault(
+        lambda root: edit_feature(root, SIDE, shape=[3, 96, 72], names=None), "camera-format", SIDE_VIDEO, "72 x 96"
+    ),
+    "two cameras exchanged": Fault(
+        lambda root: (smaller_side(root), exchange_cameras(root)),
+        "camera-format",
+        f"videos/{FRONT}/chunk-000/file-000.mp4",
+        f"{SIDE} has that size: are the two exchanged?",
+    ),
+    "another rate": Fault(lay(SIDE, fps=2 * FPS), "camera-format", SIDE_VIDEO, "found 20, expected 10"),
+    "another rate in info": Fault(
+        lambda root: edit_feature(root, SIDE, info={"video.fps": 30}), "camera-format", INFO, "video.fps", "warning"
+    ),
+    "another codec than info": Fault(
+        lambda root: edit_feature(root, SIDE, info={"video.codec": "av1"}),
+        "camera-format",
+        SIDE_VIDEO,
+        "found h264, expected av1",
+        "note",
+    ),
+    "one channel": Fault(
+        lambda root: edit_feature(root, SIDE, shape=[*SIZE, 1]), "camera-format", INFO, "1 channel", "warning"
+    ),
+    "shorter": Fault(lay(SIDE, lengths=LENGTHS[:-2]), "video-length", SIDE_VIDEO, "found 380 pictures, expected 492"),
+    "longer": Fault(one_more, "video-length", SIDE_VIDEO, "found 497 pictures, expected 492", "note"),
+    "a span that is too long": Fault(
+        at(7, 0.2, ("to_timestamp",)), "video-span", EPISODES_DIR, "from 44 s to 49.4 s, expected 5.2 s"
+    ),
+    "a span that is too short": Fault(at(7, -0.2, ("to_timestamp",)), "video-span", EPISODES_DIR, "episode 7"),
+    "a span that runs backwards": Fault(
+        change_span("to_timestamp", lambda values: values.fill(0)),
+        "video-span",
+        EPISODES_DIR,
+        "to 0 s",
+    ),
+    "spans of nan": Fault(
+        change_span("from_timestamp", lambda values: values.fill(np.nan)),
+        "video-span",
+        EPISODES_DIR,
+        "from nan s",
+    ),
+    "a span before the video": Fault(at(0, -1.0), "video-span video-time", EPISODES_DIR, "from -1 s"),
+    "two spans that overlap": Fault(
+        at(3, -1.0), "video-span", EPISODES_DIR, "expected 18.8 s or more: until then, videos"
+    ),
+    "a span behind the video": Fault(at(7, 1.0), "video-span video-time", EPISODES_DIR, "expected 49.2 s at most"),
+    "two spans exchanged": Fault(exchange_spans, "video-span", EPISODES_DIR, "may be exchanged", "warning"),
+    "spans beside the pictures": Fault(at(2, 0.03), "video-time", SIDE_VIDEO, "30 ms away, expected 0.1 ms at most"),
+    "one video for two cameras": Fault(
+        lambda root: shutil.copy(video(root, FRONT), video(root, SIDE)),
+        "camera-twin",
+        SIDE_VIDEO,
+        f"a copy of videos/{FRONT}",
+        "warning",
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", FAULTS)
+def test_a_fault_of_a_camera_is_named_and_nothing_else(kind, root):
+    fault = FAULTS[kind]
+    fault.do(root)
+    audit = z2r.audit(root)
+    assert {finding.check for finding in audit.findings} == set(fault.checks.split()), said(audit)
+    first = audit.findings[0]
+    assert (first.severity, first.file) == (fault.severity, fault.file), said(audit)
+    assert fault.says in str(first)
+    assert audit.exit_code == (fault.severity != "note")
+
+
+# --- what the pictures show, as far as their sizes tell
+
+
+def black(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
+    return (0 * picture for picture in film(camera, episode, states))
+
+
+def frozen(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
+    return itertools.repeat(next(film(camera, episode, states)), len(states))
+
+
+def only(wrong: Film, *episodes: int, camera: str = SIDE) -> Film:
+    """Film some episodes wrong with one camera, or all of them."""
+    return lambda name, episode, states: (wrong if name == camera and (not episodes or episode in episodes) else film)(
+        name, episode, states
+    )
+
+
+@pytest.mark.parametrize("codec", ["libx264", "libsvtav1"])
+@pytest.mark.parametrize(
+    ("wrong", "check", "severity", "place"),
+    [
+        (only(black, 3), "camera-flat", "warning", "in episode 3: found"),
+        (only(black), "camera-flat", "warning", "in episode [01]: found .*and [67] more"),
+        (only(frozen, 3), "camera-frozen", "warning", "in episode 3: found"),
+        (only(frozen), "camera-frozen", "note", "in episode [01]: found .*and [67] more"),
+    ],
+    ids=["black for an episode", "always black", "frozen for an episode", "always frozen"],
+)
+def test_the_sizes_of_pictures_hint_at_what_they_show(wrong, check, severity, place, codec, tmp_path):
+    write_filmed(tmp_path / "dataset", wrong, codec=codec)
+    [finding] = z2r.audit(tmp_path / "dataset").findings
+    assert (finding.check, finding.severity) == (check, severity)
+    assert re.search(f"{SIDE} {place}", str(finding))
+    assert "--pictures" in finding.mend
+
+
+# --- images that stand in the data file
+
+
+@pytest.fixture(scope="session")
+def photographed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    root = tmp_path_factory.mktemp("photographed") / "dataset"
+    write_photographed(root)
+    return root
+
+
+def test_nothing_is_said_of_images_that_are_whole(photographed, tmp_path):
+    silent(photographed)
+    write_photographed(tmp_path / "dataset", kind="jpeg")
+    silent(tmp_path / "dataset")
+
+
+def put_image(row: int, picture: bytes | None) -> Callable[[Path], None]:
+    def change(rows: list[dict]) -> list[dict]:
+        return [{"bytes": picture, "path": "x"} if i == row else old for i, old in enumerate(rows)]
+
+    return lambda root: edit_column(root, DATA, SIDE, change)
+
+
+def other_images(camera: str, pictures: Callable[[list[bytes]], list[bytes | None]]) -> Callable[[Path], None]:
+    def change(rows: list[dict]) -> list[dict]:
+        return [{"bytes": picture, "path": None} for picture in pictures([row["bytes"] for row in rows])]
+
+    return lambda root: edit_column(root, DATA, camera, change)
+
+
+GRAY = np.zeros(SIZE, np.uint8)
+IMAGE_FAULTS = {
+    "no image in a row": Fault(put_image(70, None), "finite", DATA, f"{SIDE} in row 70: found no picture"),
+    "an image of no bytes": Fault(put_image(70, b""), "finite", DATA, "row 70"),
+    "bytes that are no image": Fault(put_image(70, b"no picture"), "camera-format", DATA, "in row 70: found bytes"),
+    "an image that is cut off": Fault(
+        put_image(70, encoded(next(film(SIDE, 0, wander(0, 1))))[:-20]), "camera-format", DATA, "no whole picture"
+    ),
+    "a jpeg that is cut off": Fault(put_image(70, encoded(GRAY, "jpeg")[:20]), "camera-format", DATA, "row 70"),
+    "an image of another size": Fault(
+        put_image(70, encoded(np.zeros((8, 9, 3), np.uint8))), "camera-format", DATA, "found 8 x 9, expected 72 x 96"
+    ),
+    "a jpeg of another size": Fault(
+        put_image(70, encoded(np.zeros((8, 9, 3), np.uint8), "jpeg")), "camera-format", DATA, "found 8 x 9"
+    ),
+    "an image without colours": Fault(put_image(70, encoded(GRAY)), "camera-format", DATA, "1 channels, expected 3"),
+    "a column of numbers": Fault(
+        lambda root: edit_column(root, DATA, SIDE, lambda rows: [0.0] * len(rows), pa.float32()),
+        "column-type",
+        DATA,
+        "values of type float",
+    ),
+    "a column that is damaged": Fault(lambda root: spoil_column(root / DATA, SIDE), "data-file", DATA, "pyarrow"),
+    "the images of another camera": Fault(
+        lambda root: copy_column(root, FRONT, SIDE), "camera-twin", "data", f"the same pictures as {FRONT}", "warning"
+    ),
+}
+
+
+def copy_column(root: Path, source: str, target: str) -> None:
+    table = pq.read_table(root / DATA)
+    place = table.schema.get_field_index(target)
+    pq.write_table(table.set_column(place, target, table.column(source)), root / DATA)
+
+
+@pytest.mark.parametrize("kind", IMAGE_FAULTS)
+def test_a_fault_of_images_is_named_and_nothing_else(kind, photographed, tmp_path):
+    fault, root = IMAGE_FAULTS[kind], Path(shutil.copytree(photographed, tmp_path / "dataset"))
+    fault.do(root)
+    audit = z2r.audit(root)
+    assert {finding.check for finding in audit.findings} == {fault.checks}, said(audit)
+    assert (audit.findings[0].severity, audit.findings[0].file) == (fault.severity, fault.file), said(audit)
+    assert fault.says in str(audit.findings[0])
+
+
+@pytest.mark.parametrize("kind", ["png", "jpeg"])
+@pytest.mark.parametrize(
+    ("wrong", "check", "severity", "place"),
+    [
+        (only(black, 3), "camera-flat", "warning", "in episode 3: found the same picture in all frames, no larger"),
+        (only(black), "camera-flat", "warning", "in episode [01]: found .*and [67] more"),
+        (only(frozen, 3), "camera-frozen", "warning", "in episode 3: found the same picture in all frames,"),
+        (only(frozen), "camera-frozen", "note", "in episode [01]: found .*and [67] more"),
+    ],
+    ids=["black for an episode", "always black", "frozen for an episode", "always frozen"],
+)
+def test_images_that_are_the_same_are_named(wrong, check, severity, place, kind, tmp_path):
+    write_photographed(tmp_path / "dataset", wrong, kind)
+    [finding] = z2r.audit(tmp_path / "dataset").findings
+    assert (finding.check, finding.severity) == (check, severity)
+    assert re.search(f"{SIDE} {place}", str(finding))
+
+
+def test_every_check_of_a_camera_is_made_to_fail():
+    named = {check for fault in (*FAULTS.values(), *IMAGE_FAULTS.values()) for check in fault.checks.split()}
+    named |= {"camera-flat", "camera-frozen"}
+    assert named >= {part.check.name for part in parts_in(cameras, pictures)}

@@ -1,0 +1,284 @@
+"""What is read of the pictures, and what is kept of them? A few numbers for each episode; none of them is decoded.
+
+Videos are files of their own, of which the index is read. Images stand in the data files, with the frames.
+"""
+
+import hashlib
+from collections.abc import Sequence
+from concurrent.futures import Executor
+from functools import partial
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from z2r.arrays import Bools, Floats, Ints, reduce_parts
+from z2r.audits.claims import Claims
+from z2r.audits.frames import FileFrames
+from z2r.errors import DatasetError, Fault
+from z2r.format.dataset import in_order
+from z2r.format.images import Format, Images, Prints, read_images
+from z2r.format.mp4 import VideoIndex
+from z2r.format.videos import read_video
+
+_ALIKE = 2  # bytes: what is encoded alike differs by no more
+_ENDS = 2  # pictures
+_MAX_LENGTH = 2**31  # frames of an episode: a sum of lengths that somebody claims must not overflow
+
+
+# Measured from 96 x 96 to 480 x 640: one colour takes 107 to 1,949 bytes as PNG (level 6), and 771 to 5,429 as JPEG;
+# the plainest drawing 492 to 2,726, and 1,317 to 8,710.
+_FLAT = {"png": (300, 450), "jpeg": (700, 171)}
+
+
+# --- videos
+
+
+class VideoClaims(NamedTuple):
+    """What the metadata says of one video.
+
+    Attributes
+    ----------
+    camera : str
+        Which feature it is.
+    path : Path
+        Relative to the dataset.
+    rows : ndarray, int64[n_episodes]
+        Which rows of the episode metadata name it.
+    lengths : ndarray, int64[n_episodes]
+        How many frames these episodes have.
+    start, stop : ndarray, float64[n_episodes]
+        From when to when they are shown [s].
+    """
+
+    camera: str
+    path: Path
+    rows: Ints
+    lengths: Ints
+    start: Floats
+    stop: Floats
+
+    @property
+    def n_frames(self) -> int:
+        """How many frames all of these episodes have."""
+        return int(self.lengths.sum())
+
+
+class Pictures(NamedTuple):
+    """What the index of a video says of the pictures of each episode in it.
+
+    Attributes
+    ----------
+    off : ndarray, float64[n_episodes]
+        How far the nearest picture is from the time of a frame, where it is farthest [s]; nan where there are fewer
+        pictures than frames.
+    key, other : ndarray, float64[n_episodes]
+        What a picture takes that can be decoded alone, and one that cannot [bytes]: their geometric mean, which a few
+        large ones hardly change; nan where there is none.
+    alike : ndarray, bool[n_episodes]
+        Whether all pictures of each of the two sorts take the same, within two bytes; at both ends, where an encoder
+        knows less or introduces itself, two are left out.
+    """
+
+    off: Floats
+    key: Floats
+    other: Floats
+    alike: Bools
+
+
+class VideoSums(NamedTuple):
+    """What is kept of one video that can be read.
+
+    Attributes
+    ----------
+    codec, height, width, fps, duration : str, int, int, float or None, float
+        As in its index.
+    n_pictures : int
+        How many it has.
+    sizes : bytes
+        A digest of how many bytes each of them takes.
+    pictures : Pictures
+        Of each episode in it.
+    """
+
+    codec: str
+    height: int
+    width: int
+    fps: float | None
+    duration: float
+    n_pictures: int
+    sizes: bytes
+    pictures: Pictures
+
+
+class Footage(NamedTuple):
+    """All videos of a dataset: what the metadata says of each, and what it says itself, or why it cannot be read."""
+
+    claims: Claims
+    videos: Sequence[VideoClaims]
+    sums: Sequence[VideoSums | Fault]
+
+
+def read_footage(claims: Claims, executor: Executor | None) -> Footage:
+    """Read the indices of all videos, some at a time; no picture is decoded."""
+    videos = _video_claims(claims)
+    work = partial(_fold_video, claims.root, claims.schema.fps)
+    return Footage(claims, videos, [*in_order(work, videos, executor)])
+
+
+def _video_claims(claims: Claims) -> list[VideoClaims]:
+    """Say of each video what the metadata says of it."""
+    lengths, videos = np.clip(claims.stored.episodes.value.table.length, 0, _MAX_LENGTH), []
+    for camera, spans in claims.videos.value.items():
+        order = np.argsort(spans.file_number, kind="stable")
+        parts = np.split(order, np.searchsorted(spans.file_number[order], np.arange(1, len(spans.paths))))
+        for path, rows in zip(spans.paths, parts, strict=True):
+            videos.append(VideoClaims(camera, path, rows, lengths[rows], spans.start[rows], spans.stop[rows]))
+    return videos
+
+
+def _fold_video(root: Path, fps: float, claims: VideoClaims) -> VideoSums | Fault:
+    """Read the index of a video, and keep what the rest of the dataset is held against."""
+    try:
+        index = read_video(root, claims.path)
+    except DatasetError as error:
+        return error.fault.relative_to(root)
+    return VideoSums(
+        codec=index.codec,
+        height=index.height,
+        width=index.width,
+        fps=index.fps,
+        duration=index.duration,
+        n_pictures=len(index.times),
+        sizes=hashlib.sha256(index.sizes).digest(),
+        pictures=_pictures(index, claims, 1 / fps),
+    )
+
+
+def _pictures(index: VideoIndex, claims: VideoClaims, step: float) -> Pictures:
+    start = np.searchsorted(index.times, claims.start - step / 2)
+    stop = np.searchsorted(index.times, claims.start + (claims.lengths - 0.5) * step)
+    sorts = index.is_key, ~index.is_key
+    key, other = (_typical_size(index.sizes, sort, start, stop) for sort in sorts)
+    alike = np.logical_and(*(_are_alike(index.sizes, sort, start + _ENDS, stop - _ENDS) for sort in sorts))
+    return Pictures(_distances(index.times, claims, step), key, other, alike)
+
+
+def _distances(times: Floats, claims: VideoClaims, step: float) -> Floats:
+    """Find how far the nearest picture is from the time of a frame, the farthest in each episode [s]."""
+    off = np.full(len(claims.rows), np.nan)
+    if not 0 < claims.n_frames <= len(times):
+        return off
+    first = np.cumsum(claims.lengths) - claims.lengths
+    frame = np.arange(claims.n_frames) - np.repeat(first, claims.lengths)
+    due = np.repeat(claims.start, claims.lengths) + frame * step
+    after = np.minimum(np.searchsorted(times, due), len(times) - 1)
+    distance = np.minimum(np.abs(times[after] - due), np.abs(times[np.maximum(after - 1, 0)] - due))
+    some = claims.lengths > 0
+    off[some] = np.maximum.reduceat(distance, first[some])
+    return off
+
+
+def _typical_size(sizes: Ints, sort: Bools, start: Ints, stop: Ints) -> Floats:
+    """Take the geometric mean of the sizes of one sort of pictures in each span."""
+    logs = np.concatenate([[0.0], np.cumsum(np.where(sort, np.log(np.maximum(sizes, 1)), 0))])
+    n = np.concatenate([[0], np.cumsum(sort)])
+    with np.errstate(invalid="ignore"):
+        mean: Floats = np.exp((logs[stop] - logs[start]) / (n[stop] - n[start]))
+    return mean
+
+
+def _are_alike(sizes: Ints, sort: Bools, start: Ints, stop: Ints) -> Bools:
+    """Tell of each span whether all pictures of one sort take the same, within some bytes."""
+    some = start < stop
+    alike = np.zeros(len(start), dtype=bool)
+    if some.any():
+        spans = start[some], stop[some]
+        least = reduce_parts(np.minimum, np.where(sort, sizes, np.iinfo(np.int64).max)[:, None], *spans)
+        most = reduce_parts(np.maximum, np.where(sort, sizes, 0)[:, None], *spans)
+        alike[some] = ((most < least) | (most - least <= _ALIKE))[:, 0]
+    return alike
+
+
+# --- images
+
+
+class FileImages(NamedTuple):
+    """The pictures that stand in one data file, by their feature, or why they cannot be read."""
+
+    frames: FileFrames
+    read: dict[str, Images | Fault]
+
+
+class ImageSums(NamedTuple):
+    """What is kept of the pictures of one camera, for each run of frames: all (n_runs,).
+
+    Attributes
+    ----------
+    n_changes : ndarray of int
+        How many pictures are another than the one before.
+    prints : ndarray of uint64
+        The same number where all pictures are the same, in the same order.
+    tiny : ndarray of bool
+        Whether none takes more than one of one colour does.
+    """
+
+    n_changes: Ints
+    prints: Prints
+    tiny: Bools
+
+
+def read_file_images(root: Path, frames: FileFrames) -> FileImages:
+    """Look at all pictures in a data file, one feature after another."""
+    read: dict[str, Images | Fault] = {}
+    for name in (name for name in frames.read.present if _is_image(frames, name)):
+        try:
+            read[name] = read_images(root, frames.path, name)
+        except DatasetError as error:
+            read[name] = error.fault.relative_to(root)
+    return FileImages(frames, read)
+
+
+def sum_images(images: FileImages) -> dict[str, ImageSums]:
+    """Sum the pictures up for each run of frames: those of features of which all can be read."""
+    frames = images.frames
+    said = {name: read for name, read in images.read.items() if isinstance(read, Images)}
+    return {
+        name: _sums(read, frames.run_starts)
+        for name, read in said.items()
+        if len(read.sizes) == frames.read.n_rows and read.formats
+    }
+
+
+def join_images(parts: Sequence[dict[str, ImageSums]]) -> dict[str, ImageSums]:
+    """Put the runs of all files after each other, for features that can be read in all of them."""
+    shared = [name for name in parts[0] if all(name in part for part in parts)] if parts else []
+    return {
+        name: ImageSums(*(np.concatenate(column) for column in zip(*(part[name] for part in parts), strict=True)))
+        for name in shared
+    }
+
+
+def _is_image(frames: FileFrames, name: str) -> bool:
+    feature = frames.schema.features.get(name)
+    return feature is not None and feature.dtype == "image"
+
+
+def _sums(images: Images, starts: Ints) -> ImageSums:
+    changes = np.diff(images.prints, prepend=images.prints[:1]) != 0
+    changes[starts] = False
+    row = np.arange(len(images.prints), dtype=np.uint64)
+    place = row - np.repeat(row[starts], np.diff(np.append(starts, len(row))))  # in its run
+    return ImageSums(
+        n_changes=np.add.reduceat(changes.astype(np.int64), starts),
+        prints=np.add.reduceat(images.prints * (2 * place + 1), starts),
+        tiny=np.maximum.reduceat(images.sizes, starts) <= _size_of_one_colour(next(iter(images.formats))),
+    )
+
+
+def _size_of_one_colour(kind: Format | None) -> int:
+    """Return how many bytes such a picture takes at most, if it shows but one colour."""
+    if kind is None or kind.kind not in _FLAT:
+        return 0
+    least, per_byte = _FLAT[kind.kind]
+    return least + kind.height * kind.width * kind.channels // per_byte
