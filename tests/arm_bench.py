@@ -13,6 +13,7 @@ import logging
 import os
 import sys
 import tempfile
+import warnings
 from collections import Counter
 from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor
@@ -20,12 +21,14 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
+from arm_cameras import CAMERA_CASES, CAMERA_KINDS, ON_VIDEO_FILES, copy_filmed, write_camera_case
 from arm_damages import CASES, KINDS, Case, write_case
 from arms import make, write
 from healthy import SHAPES, write_healthy
 
 import z2r
 
+ALL_KINDS = KINDS | CAMERA_KINDS
 NAMED, SEEN, SILENT, BROKEN = "named", "seen", "SILENT", "BROKEN"
 
 
@@ -40,27 +43,29 @@ class Row(NamedTuple):
     texts: tuple[str, ...]
 
 
-def findings(root: Path) -> list[tuple[str, str]]:
-    """The check and the text of each finding that is more than a note."""
-    return [(finding.check, str(finding)) for finding in z2r.audit(root).findings if finding.severity != "note"]
+def findings(root: Path, notes: bool = False) -> list[tuple[str, str]]:
+    """The check and the text of each finding; of notes, only where they are wanted."""
+    return [(own.check, str(own)) for own in z2r.audit(root).findings if notes or own.severity != "note"]
 
 
 @cache
-def of_the_healthy(robot: str, seed: int) -> frozenset[str]:
-    """The checks that say something of a robot of which nothing is wrong."""
-    with tempfile.TemporaryDirectory() as folder:
-        write(make(robot, seed), Path(folder) / "dataset")
-        return frozenset(check for check, _ in findings(Path(folder) / "dataset"))
-
-
-def try_damage(kind: str, variant: str, seed: int) -> Row:
+def of_the_healthy(robot: str | None, seed: int) -> frozenset[str]:
+    """The checks that say something of a robot of which nothing is wrong; of the one that is filmed, if None."""
     with tempfile.TemporaryDirectory() as folder:
         root = Path(folder) / "dataset"
-        case = write_case(kind, variant, root, seed)
-        z2r.load(root)
-        found = findings(root)
-    before = of_the_healthy(KINDS[kind].robot, seed)
-    return _row(kind, variant, seed, verdict(case, [text for check, text in found if check not in before]), found)
+        write(make(robot, seed), root) if robot else copy_filmed(root, seed)
+        return frozenset(check for check, _ in findings(root, notes=True))
+
+
+def try_damage(name: str, variant: str, seed: int) -> Row:
+    with tempfile.TemporaryDirectory() as folder:
+        root = Path(folder) / "dataset"
+        case = (write_camera_case if name in CAMERA_KINDS else write_case)(name, variant, root, seed)
+        if name not in ON_VIDEO_FILES:
+            z2r.load(root)  # what was recorded wrongly can be read
+        found = findings(root, notes=case.kind.harmless)
+    before = of_the_healthy(None if name in CAMERA_KINDS else case.kind.robot, seed)
+    return _row(name, variant, seed, verdict(case, [text for check, text in found if check not in before]), found)
 
 
 def verdict(case: Case, texts: Iterable[str]) -> str:
@@ -94,12 +99,13 @@ def attempt(job: tuple[str, str, int]) -> Row:
 
 def quiet() -> None:
     """LeRobot, where it is imported, has much to say of what it does not find."""
-    os.environ |= {"HF_HUB_OFFLINE": "1", "HF_DATASETS_DISABLE_PROGRESS_BARS": "1", "TQDM_DISABLE": "1"}
+    os.environ |= {"HF_HUB_OFFLINE": "1", "TQDM_DISABLE": "1", "SVT_LOG": "1"}
     logging.disable()
+    warnings.simplefilter("ignore")
 
 
 def counted(row: Row) -> bool:
-    return row.variant == "healthy" or not KINDS[row.kind].why_not(row.variant)
+    return row.variant == "healthy" or not ALL_KINDS[row.kind].why_not(row.variant)
 
 
 def wrong(row: Row) -> bool:
@@ -118,7 +124,7 @@ def main() -> int:
     parser.add_argument("--texts", type=int, default=1, help="how many findings to print of each dataset")
     options = parser.parse_args()
     shapes = [] if options.damages else [(name, "healthy") for name in SHAPES]
-    faults = [] if options.healthy else CASES
+    faults = [] if options.healthy else [*CASES, *CAMERA_CASES]
     seeds = range(options.first, options.first + options.seeds)
     jobs = [(*what, seed) for what in [*shapes, *faults] for seed in seeds if options.only in "/".join(what)]
     with ProcessPoolExecutor(2, initializer=quiet) as pool:

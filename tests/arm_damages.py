@@ -10,7 +10,7 @@ What is a fault of the files is in `damages.py`; what is one of the pictures, in
 
 import json
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -57,6 +57,8 @@ class Kind:
         Why nobody could know, by variant; `any` stands for every one.
     seconds : float
         How long a place is.
+    harmless : bool
+        Whether a note is enough.
     """
 
     story: str
@@ -66,6 +68,7 @@ class Kind:
     plant: tuple[str, ...] = THREE
     undecidable: Mapping[str, str] = field(default_factory=dict)
     seconds: float = 2.0
+    harmless: bool = False
 
     def why_not(self, variant: str) -> str | None:
         """Why this variant cannot be told from a healthy recording; None where it can."""
@@ -78,29 +81,32 @@ class Case:
 
     Attributes
     ----------
+    kind : Kind
+        The kind.
+    variant : str
+        Where it is planted.
     episodes : frozenset of int
         In which episodes of the recording, as it became, a finding may lie.
     rows : tuple of range
         And in which of its frames; a place is given with a second on either side.
-    n_episodes : int
-        How many episodes it became.
+    file : str
+        The file that was harmed, if it was one: who names it has said where.
     """
 
-    kind: str
+    kind: Kind
     variant: str
-    recording: Recording
     episodes: frozenset[int]
     rows: tuple[range, ...]
-    n_episodes: int
+    file: str = ""
 
     def is_named_by(self, text: str) -> bool:
         """Whether a finding is about this: it names what is at fault and, where some episodes are, where that is.
 
         Of a fault in half of the episodes nobody knows which half is right.
         """
-        if not any(name in text for name in KINDS[self.kind].names):
+        if not any(name in text for name in self.kind.names):
             return False
-        if self.variant == ALL:
+        if self.variant == ALL or (self.file and self.file in text):
             return True
         named = {int(number) for number in re.findall(r"(?:episodes?|and|to|,) (\d+)", text)}
         frames = {int(number) for number in re.findall(r"(?:frames?|rows?) (\d+)", text)}
@@ -109,19 +115,26 @@ class Case:
         return bool(named & self.episodes) or any(row in rows for row in frames for rows in self.rows)
 
 
-def plant(kind: str, variant: str, seed: int = 0) -> Case:
+def plant(name: str, variant: str, seed: int = 0) -> tuple[Recording, Case]:
     """Plant a fault in a healthy recording."""
-    own = KINDS[kind]
-    rng = np.random.default_rng([seed, sum(map(ord, kind)), VARIANTS.index(variant)])
-    recording = make(own.robot, seed)
-    places = list(choose(recording, own, variant, rng))
-    places = own.do(recording, places, rng) or places
+    kind, rng = KINDS[name], rng_of(name, variant, seed)
+    recording = make(kind.robot, seed)
+    places = choose(recording, kind, variant, rng)
+    places = kind.do(recording, places, rng) or places
+    return recording, case_of(kind, variant, recording, places)
+
+
+def rng_of(name: str, variant: str, seed: int) -> Rng:
+    return np.random.default_rng([seed, *name.encode(), VARIANTS.index(variant)])
+
+
+def case_of(kind: Kind, variant: str, recording: Recording, places: Sequence[Place]) -> Case:
+    """What was planted in a recording, at these places."""
     lengths = [len(episode[TASK]) for episode in recording.episodes]
     starts = np.cumsum(lengths) - lengths
     places = [place for place in places if place.episode < len(lengths)]
     rows = tuple(_around(place, variant, starts, lengths, int(recording.fps)) for place in places)
-    episodes = frozenset(place.episode for place in places)
-    return Case(kind, variant, recording, episodes, rows, len(lengths))
+    return Case(kind, variant, frozenset(place.episode for place in places), rows)
 
 
 def _around(place: Place, variant: str, starts: Any, lengths: Sequence[int], margin: int) -> range:
@@ -132,31 +145,29 @@ def _around(place: Place, variant: str, starts: Any, lengths: Sequence[int], mar
     return range(first + max(0, place.rows.start - margin), first + min(n, place.rows.stop + margin))
 
 
-def write_case(kind: str, variant: str, root: Path, seed: int = 0) -> Case:
+def write_case(name: str, variant: str, root: Path, seed: int = 0) -> Case:
     """Write a dataset with a fault, and say what is in it."""
-    case = plant(kind, variant, seed)
-    write(case.recording, root)
+    recording, case = plant(name, variant, seed)
+    write(recording, root)
     return case
 
 
-def choose(recording: Recording, kind: Kind, variant: str, rng: Rng) -> Iterator[Place]:
+def choose(recording: Recording, kind: Kind, variant: str, rng: Rng) -> list[Place]:
     """Where a variant is planted; a place is where the columns that a kind names move most, for there it shows."""
-    n = len(recording.episodes)
-    later = range(n - n // 2, n)
+    lengths = [len(own[TASK]) for own in recording.episodes]
+    n = len(lengths)
+    if variant == PLACE:
+        episode = int(rng.integers(2, n - 2))
+        size = min(int(kind.seconds * recording.fps), lengths[episode] // 2)
+        start = busiest(recording, episode, kind.names, size)
+        return [Place(episode, slice(start, start + size))]
+    later_half = rng.random() < 0.5
     chosen = {
-        PLACE: [int(rng.integers(2, n - 2))],
         ONE: [int(rng.integers(2, n - 2))],
-        HALF: list(later) if rng.random() < 0.5 else sorted(rng.choice(n, n // 2, replace=False).tolist()),
-        ALL: list(range(n)),
+        HALF: range(n - n // 2, n) if later_half else sorted(rng.choice(n, n // 2, replace=False).tolist()),
+        ALL: range(n),
     }[variant]
-    for episode in chosen:
-        length = len(recording.episodes[episode][TASK])
-        if variant == PLACE:
-            size = min(int(kind.seconds * recording.fps), length // 2)
-            start = busiest(recording, episode, kind.names, size)
-            yield Place(episode, slice(start, start + size))
-        else:
-            yield Place(episode, slice(0, length))
+    return [Place(episode, slice(0, lengths[episode])) for episode in chosen]
 
 
 def busiest(recording: Recording, episode: int, names: Sequence[str], size: int) -> int:
@@ -267,13 +278,7 @@ def ramp(to: float) -> Change:
 
 
 def clip(low: float, high: float) -> Change:
-    """Keep to a share of the range that the values have here."""
-
-    def change(own: np.ndarray, rng: Rng) -> np.ndarray:
-        span = np.ptp(own, axis=0)
-        return np.clip(own, own.min(axis=0) + low * span, own.min(axis=0) + high * span)
-
-    return change
+    return lambda own, rng: own.clip(low, high)
 
 
 def at(value: Callable[[np.ndarray, Rng], Any], share: float = 0.01) -> Change:
@@ -610,6 +615,7 @@ MOTION = (STATE, ACTION)  # where a finding may name the whole of a feature
 LEFT, RIGHT = SIDES[: len(VIPER)], SIDES[len(VIPER) :]
 DEG = np.degrees(1)
 ALIKE = "the other sign, order or unit in both is a robot of its own: nothing in the dataset says which is right"
+SLOW = "a motor, or an arm, that is slower than its fellows, and has been all along"
 LONGER = "another constant lag: healthy arms follow 0 to 15 frames late"
 
 ON_TIME: dict[str, Kind] = {
@@ -646,6 +652,7 @@ ON_TIME: dict[str, Kind] = {
         (FLEX,),
         plant=EVERY,
         seconds=3,
+        undecidable={ALL: SLOW},
     ),
     "drifting-lag": Kind(
         "a buffer fills up: the lag of the state grows from 0 to 15 frames within an episode",
@@ -808,12 +815,14 @@ ON_TIME: dict[str, Kind] = {
         after_frames(lambda own, rng: repeated(own, 0, 300, rng), before=True),
         (STATE, ACTION, *POS, "episode"),
         plant=WIDE,
+        harmless=True,
     ),
     "idle-tail": Kind(
         "the recorder ran for 10 s after all was done",
         after_frames(lambda own, rng: repeated(own, -1, 300, rng)),
         (STATE, ACTION, *POS, "episode"),
         plant=WIDE,
+        harmless=True,
     ),
     "nobody-there": Kind(
         "an episode in which nobody led the arm",
@@ -826,6 +835,7 @@ ON_TIME: dict[str, Kind] = {
         take(lambda own, rng: own[:8]),
         ("episode", STATE, ACTION, "length"),
         plant=(ONE,),
+        harmless=True,
     ),
     "begins-late": Kind(
         "the recorder was started late: an episode begins with the thing in the gripper",
@@ -956,8 +966,15 @@ ON_UNITS: dict[str, Kind] = {
         values(BOTH, (), bfloat16),
         (STATE, ACTION, *POS),
         plant=WIDE,
+        harmless=True,
     ),
-    "whole-numbers": Kind("cast to integers on the way", values(STATE, (), grid(1)), (STATE, *POS), plant=WIDE),
+    "whole-numbers": Kind(
+        "cast to integers on the way",
+        values(STATE, (), grid(1)),
+        (STATE, *POS),
+        plant=WIDE,
+        harmless=True,
+    ),
     "half-turns": Kind(
         "one of the arms counts in turns",
         values(STATE, ARM, times(1 / 360)),
@@ -1183,7 +1200,7 @@ ON_OFFSETS: dict[str, Kind] = {
     ),
     "wrapped-rad": Kind(
         "the waist of one arm leaps by a turn",
-        values(STATE, "left_waist", lambda own, rng: own + 2 * np.pi * (own > 0.3)),
+        values(STATE, "left_waist", lambda own, rng: own + 2 * np.pi * (own > 0.1)),
         ("left_waist",),
         "aloha",
         EVERY,
@@ -1288,16 +1305,17 @@ ON_SENSORS: dict[str, Kind] = {
         values(STATE, LIFT, smoothed(15)),
         (LIFT,),
         plant=(ONE, HALF, ALL),
+        undecidable={ALL: SLOW},
     ),
     "clipped-state": Kind(
         "the sensor ends before the joint does: its upper third reads the same",
-        values(STATE, FLEX, clip(0, 0.66)),
+        values(STATE, FLEX, clip(0, 85)),
         (FLEX,),
         plant=WIDE,
     ),
     "clipped-action": Kind(
         "the command was clipped when it was stored, not when it was sent: the arm goes further than it was told",
-        values(ACTION, LIFT, clip(0, 0.6)),
+        values(ACTION, LIFT, clip(-180, 15)),
         (LIFT,),
         plant=WIDE,
     ),
@@ -1369,6 +1387,7 @@ ON_SENSORS: dict[str, Kind] = {
         (STATE, *LEFT),
         "aloha",
         EVERY,
+        undecidable={ALL: SLOW},
     ),
     "left-elbow-stuck": Kind(
         "an encoder of one of two arms stays where it is",
@@ -1421,8 +1440,8 @@ ON_SENSORS: dict[str, Kind] = {
         WIDE,
     ),
     "normalised-clipped": Kind(
-        "the follower goes beyond what its calibration saw: its state ends at 60, where its command goes on",
-        values(STATE, LIFT, lambda own, rng: own.clip(-100, 30)),
+        "the follower goes beyond what its calibration saw: its state ends at 30, where its command goes on",
+        values(STATE, LIFT, clip(-100, 30)),
         (LIFT,),
         "so100",
         WIDE,
@@ -1520,13 +1539,25 @@ ON_LABELS: dict[str, Kind] = {
         "one task has two numbers, and the very same text", texts(lambda own: [own[0], own[0]]), ("task",), plant=(ALL,)
     ),
     "task-changes": Kind(
-        "the label was changed inside an episode", relabelled(lambda own: 1 - own), ("task",), plant=(PLACE,)
+        "the label was changed inside an episode",
+        relabelled(lambda own: 1 - own),
+        ("task",),
+        plant=(PLACE,),
+        harmless=True,
     ),
     "task-of-one": Kind(
-        "a misspelt text for one episode", a_third_task("Put the cube into the bx"), ("task",), plant=(ONE,)
+        "a misspelt text for one episode",
+        a_third_task("Put the cube into the bx"),
+        ("task",),
+        plant=(ONE,),
+        harmless=True,
     ),
     "task-unused": Kind(
-        "a text that no frame has", texts(lambda own: [*own, "Wipe the table"]), ("task",), plant=(ALL,)
+        "a text that no frame has",
+        texts(lambda own: [*own, "Wipe the table"]),
+        ("task",),
+        plant=(ALL,),
+        harmless=True,
     ),
     "splits-overlap": Kind(
         "episodes are in two splits: who trains on one has seen the other",
@@ -1535,14 +1566,30 @@ ON_LABELS: dict[str, Kind] = {
         plant=(ALL,),
     ),
     "splits-same": Kind("the two splits are the same", splits(train="0:12", val="0:12"), ("splits",), plant=(ALL,)),
-    "splits-gap": Kind("two episodes are in no split", splits(train="0:7", test="9:12"), ("splits",), plant=(ALL,)),
+    "splits-gap": Kind(
+        "two episodes are in no split",
+        splits(train="0:7", test="9:12"),
+        ("splits",),
+        plant=(ALL,),
+        harmless=True,
+    ),
     "splits-outside": Kind(
         "a split ends after the last episode", splits(train="0:10", test="10:14"), ("splits",), plant=(ALL,)
     ),
     "splits-of-before": Kind(
-        "episodes were added, and the split was not", splits(train="0:8"), ("splits",), plant=(ALL,)
+        "episodes were added, and the split was not",
+        splits(train="0:8"),
+        ("splits",),
+        plant=(ALL,),
+        harmless=True,
     ),
-    "splits-empty": Kind("a split has no episode", splits(train="0:12", test="12:12"), ("splits",), plant=(ALL,)),
+    "splits-empty": Kind(
+        "a split has no episode",
+        splits(train="0:12", test="12:12"),
+        ("splits",),
+        plant=(ALL,),
+        harmless=True,
+    ),
     "splits-turned": Kind("a split ends before it begins", splits(train="0:8", test="12:8"), ("splits",), plant=(ALL,)),
     "splits-text": Kind("a split is in words", splits(train="first 8", test="8:12"), ("splits",), plant=(ALL,)),
     "done-everywhere": Kind(
@@ -1560,7 +1607,7 @@ ON_LABELS: dict[str, Kind] = {
     ),
     "success-without-reward": Kind(
         "success and reward say different things",
-        label("next.reward", lambda own: 0),
+        label("next.reward", lambda own: 1 - own),
         ("next.reward", "next.success"),
         "scored",
         (ONE, HALF),

@@ -1,9 +1,10 @@
 """Shapes of datasets that are as they should be, odd as some of them look: of none may a finding say that it is wrong.
 
-`HEALTHY` is one table of what is recorded, and `EDITED` one of what LeRobot's own tools make of a recording. A shape is
-here because something that looks for faults could take it for one.
+`HEALTHY` is one table of what is recorded, `FILMED` one of what cameras see, and `EDITED` one of what LeRobot's own
+tools make of a recording. A shape is here because something that looks for faults could take it for one.
 """
 
+import json
 import shutil
 import tempfile
 from collections.abc import Callable, Sequence
@@ -12,7 +13,9 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import arm_cameras as cameras
 import numpy as np
+from arm_damages import Place
 from arms import (
     ACTION,
     CUBE,
@@ -68,6 +71,8 @@ def write_healthy(name: str, root: Path, seed: int = 0) -> None:
     """Write the dataset of a shape."""
     if name in EDITED:
         edited(EDITED[name], root, seed)
+    elif name in FILMED:
+        FILMED[name](root, seed)
     else:
         write(HEALTHY[name].make(seed), root)
 
@@ -294,6 +299,60 @@ def policy(seed: int) -> Recording:
     return replace(so101(seed), episodes=episodes)
 
 
+def catching_up(own: Frames, rng: np.random.Generator) -> Frames:
+    """The leader was elsewhere when the recorder began: the follower goes there within the first second."""
+    away = rng.choice([-1, 1], 6) * rng.uniform(8, 25, 6) * [1, 0.6, 1, 1, 1, 0]
+    return {STATE: own[STATE] + np.round(away * np.exp(-np.arange(len(own[TASK])) / 7)[:, None] / TICK) * TICK}
+
+
+def setpoints(own: Frames, rng: np.random.Generator) -> Frames:
+    """The command is where the arm has to be in the end, and leaps; the arm takes a second or so to come there."""
+    command = own[ACTION][np.minimum(np.arange(len(own[TASK])) // 45 * 45 + 44, len(own[TASK]) - 1)]
+    state = ticks(follow(np.concatenate([own[STATE][:1], command[:-1]]), 12, share=0.1), TICK, rng, 0.35)
+    return {ACTION: command, STATE: state}
+
+
+def scaled(own: Frames, rng: np.random.Generator) -> Frames:
+    """Commands are -1 to 1 of what a joint may do; the state is in degrees and percent."""
+    low, high = np.array([-110, -105, -100, -100, -170, 0]), np.array([110, 105, 100, 120, 170, 100])
+    return {ACTION: (own[ACTION] - low) / (high - low) * 2 - 1}
+
+
+def fingers(own: Frames, rng: np.random.Generator) -> Frames:
+    """The gripper's command is -1 to open and 1 to shut; its state is how far its fingers are apart [m]."""
+    return column(own, 5, np.where(own[ACTION][:, 5] > 40, -1.0, 1.0), own[STATE][:, 5] * 8e-4)
+
+
+def renamed(state: str, action: str) -> Callable[[int], Recording]:
+    """The same under other names of features."""
+    other = {STATE: state, ACTION: action, TASK: TASK}
+
+    def of(seed: int) -> Recording:
+        recording = so101(seed)
+        episodes = [{other[name]: values for name, values in own.items()} for own in recording.episodes]
+        return replace(recording, episodes=episodes, names={other[name]: POS for name in recording.names})
+
+    return of
+
+
+def lacking(feature: str) -> Callable[[int], Recording]:
+    def of(seed: int) -> Recording:
+        recording = so101(seed)
+        episodes = [{name: values for name, values in own.items() if name != feature} for own in recording.episodes]
+        return replace(recording, episodes=episodes)
+
+    return of
+
+
+def in_a_dict(root: Path) -> None:
+    """Names as some recorders give them."""
+    path = root / "meta/info.json"
+    info = json.loads(path.read_text())
+    for name in (STATE, ACTION):
+        info["features"][name]["names"] = {"motors": info["features"][name]["names"]}
+    path.write_text(json.dumps(info))
+
+
 def with_episode(number: int, operator: Operator) -> Callable[[int], Recording]:
     """One episode is led by another operator."""
 
@@ -485,9 +544,67 @@ HEALTHY: dict[str, Shape] = {
     ),
     "gripper-not-told": Shape("the gripper is seen and not told", without("gripper.pos", ACTION)),
     "gripper-not-seen": Shape("the gripper is told and not seen", without("gripper.pos", STATE)),
+    "catching-up": Shape(
+        "leader and follower begin in different poses", lambda seed: changed(so101(seed), catching_up)
+    ),
+    "setpoints": Shape("commands that leap to where the arm has to be", lambda seed: changed(so101(seed), setpoints)),
+    "scaled-actions": Shape("commands as a share of each joint's range", lambda seed: changed(so101(seed), scaled)),
+    "fingers": Shape(
+        "a gripper whose command and state count in opposite ways", lambda seed: changed(so101(seed), fingers)
+    ),
+    "mimic-finger": Shape(
+        "a second finger that is where the first one is",
+        with_columns(["finger.pos"], lambda own, rng: own[STATE][:, 5:]),
+    ),
+    "other-features": Shape("features have names of their own", renamed("observation.qpos", "actions")),
+    "no-state": Shape("only the action is stored", lacking(STATE)),
+    "no-action": Shape("only the state is stored", lacking(ACTION)),
+    "names-in-a-dict": Shape("names stand in a dict", lambda seed: replace(so101(seed), finish=[in_a_dict])),
     "splits": Shape("two splits that share nothing", with_info(splits={"train": "0:9", "val": "9:12"})),
     "three-splits": Shape("three splits", with_info(splits={"train": "0:8", "val": "8:10", "test": "10:12"})),
     "no-robot-type": Shape("nobody said which robot it is", with_info(robot_type=None)),
+}
+
+
+# --- what is filmed
+
+
+def settled(change: cameras.Change, *names: str) -> Callable[[Path, int], None]:
+    """The filmed arm, with cameras that show all episodes so."""
+
+    def of(root: Path, seed: int) -> None:
+        cameras.copy_filmed(root, seed)
+        n_episodes = len(cameras.column(root, "length"))
+        everywhere = [Place(episode, slice(None)) for episode in range(n_episodes)]
+        cameras.seen(change, *names)(root, everywhere, np.random.default_rng(seed))
+
+    return of
+
+
+def a_hand(own: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Somebody's hand is before the lens for half a second, in some of the episodes."""
+    first = int(rng.integers(5, len(own) - 12))
+    own[first : first + 8 * int(rng.integers(2)), 10:, 20:80] = (190, 140, 120)
+    return own
+
+
+def dusk(own: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """The daylight differs from episode to episode."""
+    return cameras.bright(rng.uniform(0.6, 1.2))(own, rng)
+
+
+FILMED: dict[str, Callable[[Path, int], None]] = {
+    "filmed": cameras.copy_filmed,
+    "filmed-av1": lambda root, seed: cameras.write_filmed(root, seed, codec="av1", files=(3, 2)),
+    "filmed-a-file-an-episode": lambda root, seed: cameras.write_filmed(root, seed, files=(1, 1, 1, 1)),
+    "filmed-one-file": lambda root, seed: cameras.write_filmed(root, seed, files=(5,)),
+    "filmed-grey": settled(cameras.grey),
+    "filmed-dark": settled(cameras.bright(0.3)),
+    "filmed-upside-down": settled(cameras.upside_down),
+    "filmed-blurred": settled(cameras.blurred),
+    "filmed-a-hand": settled(a_hand),
+    "filmed-daylight": settled(dusk, cameras.SIDE, cameras.TOP),
+    "filmed-two-frames-late": settled(cameras.late(2), cameras.SIDE, cameras.TOP),
 }
 
 
@@ -552,9 +669,12 @@ def _relabel(tools: Any, one: Any, other: Any, root: Path) -> None:
     tools.modify_tasks(LeRobotDataset("test/arm", root), episode_tasks={1: "Stand the cup on the plate"})
 
 
-def _score(tools: Any, one: Any, other: Any, root: Path) -> None:
+def _reduce(tools: Any, one: Any, other: Any, root: Path) -> None:
+    """Add a feature, and drop it: adding alone leaves it without statistics."""
     feature = {"dtype": "float32", "shape": (1,), "names": None}
-    tools.add_features(one, {"next.reward": (np.zeros(one.num_frames, np.float32), feature)}, root, "test/arm")
+    more = root.with_name(f"{root.name}-more")
+    added = tools.add_features(one, {"next.reward": (np.zeros(one.num_frames, np.float32), feature)}, more, "test/arm")
+    tools.remove_feature(added, "next.reward", root, "test/arm")
 
 
 EDITED: dict[str, Edit] = {
@@ -562,8 +682,8 @@ EDITED: dict[str, Edit] = {
     "lerobot-deleted": lambda tools, one, other, root: tools.delete_episodes(one, [1, 4], root, "test/arm"),
     "lerobot-split": _split,
     "lerobot-merged": lambda tools, one, other, root: tools.merge_datasets([one, other], "test/arm", root),
-    "lerobot-scored": _score,
+    "lerobot-reduced": _reduce,
     "lerobot-relabelled": _relabel,
 }
 
-SHAPES: list[str] = [*HEALTHY, *EDITED]
+SHAPES: list[str] = [*HEALTHY, *FILMED, *EDITED]
