@@ -120,7 +120,7 @@ def test_an_error_that_is_not_wrapped_shows_from_the_other_side_of_the_table(dat
 @pytest.mark.parametrize("mode", BREAK_MODES)
 def test_the_picture_is_that_of_the_frames_in_the_order_of_the_wrong_reading(dataset, mode, tmp_path):
     """Which frames, in which order: the pusher's x is stored as it is drawn."""
-    believed = z2r.break_mode(mode).dataset(dataset)
+    believed, _ = z2r.break_mode(mode).believe(dataset, PUSHT)
     z2r.write_replay(believed, tmp_path / "x.rrd", PUSHT)
     drawn = values(read_rows(tmp_path / "x.rrd", "frame"), "world/robot/pusher", "Transform3D:translation").reshape(
         -1, 3
@@ -136,8 +136,9 @@ def test_the_picture_is_that_of_the_frames_in_the_order_of_the_wrong_reading(dat
 def test_no_mode_changes_the_dataset(dataset, mode):
     before = {path: path.read_bytes() for path in dataset.root.rglob("*") if path.is_file()}
     right_index, right_files = dataset.episodes, dataset.files
-    z2r.break_mode(mode).dataset(dataset)
-    assert (dataset.episodes, dataset.files) == (right_index, right_files)
+    believed, _ = z2r.break_mode(mode).believe(dataset, PUSHT)
+    believed.read("observation.state")
+    assert (dataset.episodes, dataset.files, dataset.misread) == (right_index, right_files, None)
     assert before == {path: path.read_bytes() for path in dataset.root.rglob("*") if path.is_file()}
 
 
