@@ -1,4 +1,5 @@
 from .api import audit as audit
+from .api import audit_beliefs as audit_beliefs
 from .api import find_reading as find_reading
 from .api import infer_action as infer_action
 from .api import inspect_dataset as inspect_dataset
@@ -7,6 +8,8 @@ from .api import panel as panel
 from .api import write_replay as write_replay
 from .api import write_report as write_report
 from .audits.audit import Audit as Audit
+from .audits.beliefs import Belief as Belief
+from .audits.beliefs import Beliefs as Beliefs
 from .data import MESSY as MESSY
 from .data import STANDIN as STANDIN
 from .errors import DatasetError as DatasetError

@@ -12,7 +12,9 @@ from typing import TYPE_CHECKING
 
 from z2r.arrays import Progress, no_progress
 from z2r.audits import audit as audits
+from z2r.audits import beliefs
 from z2r.audits.audit import Audit, all_checks
+from z2r.audits.beliefs import Beliefs
 from z2r.data import READINGS_DIR, find_dataset
 from z2r.errors import DatasetError, Fault
 from z2r.format.dataset import Dataset
@@ -220,6 +222,42 @@ def audit(
     root = dataset.root if isinstance(dataset, Dataset) else _folder(dataset)
     reading = reading or reading_for(root)
     return audits.audit(root, mode, reading, scene_of(reading), progress, executor)
+
+
+def audit_beliefs(
+    dataset: Dataset | str | os.PathLike[str],
+    reading: Reading | None = None,
+    progress: Progress = no_progress,
+    executor: Executor | None = None,
+) -> Beliefs:
+    """Say which wrong beliefs a dataset refutes, and by which check: audit it as it is, and under every break mode.
+
+    Parameters
+    ----------
+    dataset : Dataset, str or path
+        As for `audit`. It must be whole.
+    reading : Reading, optional
+        What the columns mean; the one that ships and fits, unless given.
+    progress : callable, optional
+        Called with the number of audits done and the number of all, after each.
+    executor : Executor, optional
+        What runs each pass over the data files; threads unless given.
+
+    Raises
+    ------
+    DatasetError
+        If the dataset is not whole.
+
+    Examples
+    --------
+    >>> import z2r
+    >>> beliefs = {belief.mode: belief for belief in z2r.audit_beliefs("standin").beliefs}
+    >>> [beliefs[mode].verdict for mode in ("joints-exchanged", "no-wrap", "gripper-inverted")]
+    ['refuted', 'not refuted', 'does not apply']
+    """
+    root = dataset.root if isinstance(dataset, Dataset) else find_dataset(dataset)
+    reading = reading or reading_for(root)
+    return beliefs.audit_beliefs(root, reading, scene_of(reading), progress, executor)
 
 
 def write_replay(

@@ -99,12 +99,12 @@ def _reading(name: str | None) -> "Reading | None":
     return find_reading(name)
 
 
-def _break_option(text: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
+def _break_option(text: str, *more: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
     return click.option(
         "--break",
         "mode",
-        type=click.Choice(["none", *BREAK_MODES]),
-        callback=lambda context, parameter, name: BREAK_MODES.get(name),
+        type=click.Choice(["none", *more, *BREAK_MODES]),
+        callback=lambda context, parameter, name: name if name in more else BREAK_MODES.get(name),
         metavar="MODE",
         help=text,
     )
@@ -219,7 +219,8 @@ def _inspect(
 
     reading = _fitting(reading, dataset.schema) or choose_reading(dataset.schema)
     _announce(screen, "inspect" if with_replay else "inspect --no-rerun", dataset)
-    _say_what_is_wrong(screen, mode, reading)
+    if mode:
+        _say_what_is_wrong(screen, mode, dataset, reading)
     with progress("reading", "frames", screen.quiet) as move:
         return inspect_dataset(dataset, mode, reading, move, keep=MAX_REPLAY_FRAMES if with_replay else 0)
 
@@ -246,12 +247,12 @@ def _announce(screen: "Console", command: str, dataset: "Dataset") -> None:
     screen.print(expectation(command, dataset.episodes.n_frames), soft_wrap=True)
 
 
-def _say_what_is_wrong(screen: "Console", mode: BreakMode | None, reading: "Reading | None") -> None:
-    """Say what is believed under a break mode, and whether there is anything here that it is about."""
+def _say_what_is_wrong(screen: "Console", mode: BreakMode, dataset: "Dataset", reading: "Reading | None") -> None:
+    """Say what is believed under a break mode, of which columns, and whether there is anything here it is about."""
     from z2r.show.terminal import wrong_on_purpose
 
-    if mode:
-        screen.print(wrong_on_purpose(mode, mode.applies_to(reading)))
+    applies, columns = mode.applies_to(dataset, reading), mode.columns(dataset.schema, reading)
+    screen.print(wrong_on_purpose(mode, applies, columns))
 
 
 def _fitting(reading: "Reading | None", schema: "Schema") -> "Reading | None":
@@ -401,7 +402,11 @@ def report(dataset: Path | None, *, reading: "Reading | None", out: Path) -> Non
 @cli.command(cls=_AuditCommand)
 @_names_a_dataset
 @_reads_as
-@_break_option("Audit it as it is read under one of the mistakes that `z2r inspect --help` names: is it noticed?")
+@_break_option(
+    "Audit it as it is read under one of the mistakes that `z2r inspect --help` names: is it noticed? `all` tables"
+    " which of them are, and by which check.",
+    "all",
+)
 @click.option(
     "--keep",
     type=click.Path(path_type=Path, dir_okay=False),
@@ -410,7 +415,7 @@ def report(dataset: Path | None, *, reading: "Reading | None", out: Path) -> Non
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the findings as JSON and nothing else.")
 def audit(
-    dataset: Path | None, *, reading: "Reading | None", mode: BreakMode | None, keep: Path | None, as_json: bool
+    dataset: Path | None, *, reading: "Reading | None", mode: BreakMode | str | None, keep: Path | None, as_json: bool
 ) -> None:
     """Say what is wrong with a dataset: each finding with what was found, what was expected, and how to mend it.
 
@@ -421,18 +426,19 @@ def audit(
     was not checked.
 
     The exit code is 0 where there is no error and no warning, 1 where there is one, and 2 where the dataset cannot be
-    read.
+    read. With `--break all` it is 0 whatever is refuted, and 2 where the dataset is not whole.
 
     - `z2r audit my_dataset && train my_dataset` trains on nothing that is broken
     - `z2r audit my_dataset --keep good.json`, and `lerobot-train --dataset.episodes="$(cat good.json)" ...` leaves the
       episodes out that have an error
     - `z2r audit my_dataset --json` is for scripts
     - `z2r audit --break yaw-swap-everywhere` finds by a number what the share reached hides
+    - `z2r audit my_dataset --break all` says which wrong beliefs about it the data refutes, and which it cannot
     """
     import msgspec
 
     from z2r.api import audit as audit_dataset
-    from z2r.api import reading_for
+    from z2r.api import load, reading_for
     from z2r.format.schema import read_schema
     from z2r.show.terminal import audit_report, console, progress
 
@@ -443,7 +449,11 @@ def audit(
         _refuse_inside(root, keep, "--keep")
     with contextlib.suppress(DatasetError):  # of a schema that cannot be read, the audit says why
         _fitting(reading, read_schema(root))
-    _say_what_is_wrong(screen, mode, reading or reading_for(root))
+    if isinstance(mode, str):
+        _audit_beliefs(root, reading, screen)
+        return
+    if mode:
+        _say_what_is_wrong(screen, mode, load(root), reading or reading_for(root))
     with progress("auditing", "data files", as_json) as move:
         found = audit_dataset(root, mode, reading, move)
     screen.print(audit_report(found, title), crop=False)
@@ -464,6 +474,21 @@ def _write_kept(found: "Audit", path: Path, screen: "Console") -> None:
     screen.print(f"wrote {path}: {len(found.kept):,} of {count(found.n_episodes, 'episode')}", soft_wrap=True)
     if found.of_all:
         screen.print(f"errors that are about no episode in particular keep none out: {', '.join(found.of_all)}")
+
+
+def _audit_beliefs(root: Path, reading: "Reading | None", screen: "Console") -> None:
+    """Say which wrong beliefs a dataset refutes; as JSON where the screen is quiet."""
+    import msgspec
+
+    from z2r.api import audit_beliefs
+    from z2r.show.terminal import beliefs_report, progress
+
+    with progress("auditing", "beliefs", screen.quiet) as move:
+        found = audit_beliefs(root, reading, move)
+    title = folder_name(root)
+    screen.print(beliefs_report(found, title))
+    if screen.quiet:
+        click.echo(msgspec.json.format(msgspec.json.encode(found.to_dict(title)), indent=2))
 
 
 @cli.command()

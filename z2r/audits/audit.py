@@ -201,7 +201,7 @@ def _fold_file(
 ) -> FileSums:
     """Read one data file, ask of it all that there is to ask, and keep what the others are held against."""
     try:
-        frames = FileFrames(claims, schema, tasks, read_data_file(root, schema, claims.path))
+        frames = FileFrames(claims, schema, tasks, claims.taken(read_data_file(root, schema, claims.path)))
         findings = [_of_the_file(each, claims) for each in ask(asked_of(FileFrames, PARTS), frames)]
         if not frames.read.n_rows:
             return FileSums(frames.read.n_rows, findings)
@@ -305,6 +305,8 @@ def _not_checked(claims: Claims, sums: Sequence[FileSums], scene: Scene | None) 
     wide = [name for name, feature in features if feature.is_numeric and feature.size > MAX_SIGNAL_SIZE]
     if wide:
         yield f"the values of {some(wide)}: more than {MAX_SIGNAL_SIZE} numbers a frame"
+    if claims.misread:
+        yield f"stored statistics of {some(claims.misread.features)}: of what is stored, whatever that is taken for"
     yield "stored quantiles (q01, q10 ...): LeRobot estimates them, so they need not be those of the data"
     yield "whether the text of a task is true, and whether the demonstrations are any good"
 

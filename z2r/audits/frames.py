@@ -12,6 +12,7 @@ from z2r.arrays import Array, Bools, Columns, Floats, Ints
 from z2r.audits.claims import Claims
 from z2r.format import rules
 from z2r.format.episodes import EpisodeIndex
+from z2r.format.misread import Misread
 from z2r.format.schema import BOOKKEEPING, Schema
 from z2r.format.tables import DataColumns, count_rows, episodes_in
 
@@ -31,6 +32,8 @@ class FileClaims(NamedTuple):
         What they are called.
     episodes : EpisodeIndex or None
         Those that it may hold a part of, as the metadata says; None where that does not hang together.
+    misread : Misread or None
+        What somebody takes its columns for; as the files have them, unless given.
     """
 
     path: Path
@@ -38,6 +41,13 @@ class FileClaims(NamedTuple):
     n_claimed: int
     numbers: tuple[int, ...]
     episodes: EpisodeIndex | None
+    misread: Misread | None = None
+
+    def taken(self, read: DataColumns) -> DataColumns:
+        """Return what was read of the file as it is taken."""
+        if self.misread is None or self.episodes is None:
+            return read
+        return read._replace(frames=self.misread(read.frames, self.base, self.episodes))
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,7 +164,9 @@ def _claims_of(claims: Claims, file_number: int, base: int, next_base: int) -> F
     n_claimed = int(table.length[own].sum())
     there = (table.start < max(next_base, base + n_claimed)) & (table.stop > base)
     episodes = claims.episodes.only(own | there) if claims.trusted else None
-    return FileClaims(claims.paths[file_number], base, n_claimed, rules.episodes_of(table.number, own), episodes)
+    return FileClaims(
+        claims.paths[file_number], base, n_claimed, rules.episodes_of(table.number, own), episodes, claims.misread
+    )
 
 
 def _first_frames(claims: Claims, *, under_mode: bool) -> list[int]:

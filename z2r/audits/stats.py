@@ -83,9 +83,16 @@ def _severity(off: float, seen: bool) -> Severity:
 
 
 def _flat(runs: Runs) -> dict[str, RunStats]:
-    """Of a matrix, LeRobot stores the statistics of the last axis only: leave it out."""
-    features = runs.claims.schema.features
-    return {name: stats for name, stats in runs.stats.items() if len(features[name].shape) == 1}
+    """Of a matrix, LeRobot stores the statistics of the last axis only: leave it out.
+
+    What is taken for something else is left out too. Its statistics are numbers of the same file, in the same unit and
+    order, whatever that is: who is wrong about the one is wrong about the other, and the two cannot refute each other.
+    """
+    features, misread = runs.claims.schema.features, runs.claims.misread
+    left_out = misread.features if misread else ()
+    return {
+        name: stats for name, stats in runs.stats.items() if len(features[name].shape) == 1 and name not in left_out
+    }
 
 
 def _of_each(stats: RunStats, runs: Ints) -> Statistics:

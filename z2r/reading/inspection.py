@@ -229,7 +229,7 @@ def inspect_dataset(
         If a data file is missing, damaged, or not what the schema and the index say.
     """
     if mode:
-        dataset, reading = mode.dataset(dataset), reading and mode.reading(reading)
+        dataset, reading = mode.believe(dataset, reading)
     schema, missing = dataset.schema, reading.missing(dataset.schema) if reading else ()
     first, windows = int(dataset.episodes.from_index[0]), sample_windows(dataset.episodes)
     fold = _Fold(dataset.episodes, first, first + keep, windows, sampled_features(schema))

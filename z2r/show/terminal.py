@@ -29,6 +29,7 @@ from z2r.show.listing import Listed
 
 if TYPE_CHECKING:  # `z2r inspect` has no use for it
     from z2r.audits.audit import Audit
+    from z2r.audits.beliefs import Belief, Beliefs
 
 MAX_ROWS = 20  # of a table: what fits on a screen
 
@@ -41,11 +42,13 @@ def expectation(command: str, size: int) -> Text:
     return Text(f"machine tier {tier}: {wallclock.expectation(command, size, tier)}", style="dim")
 
 
-def wrong_on_purpose(mode: BreakMode, applies: bool = True) -> Text:
-    """Say what is read wrong, and what that looks like."""
+def wrong_on_purpose(mode: BreakMode, applies: bool = True, columns: Sequence[str] = ()) -> Text:
+    """Say what is read wrong, of which columns if it is about some, and what that looks like."""
     return Text.assemble(
         (f"Reading it wrong on purpose: {mode.name}", "bold yellow"),
-        f"\n  what is believed: {mode.assumption}\n  its signature:    {mode.signature}",
+        f"\n  what is believed: {mode.assumption}",
+        f"\n  of the columns:   {printable(some(columns))}" if columns else "",
+        f"\n  its signature:    {mode.signature}",
         "" if applies else f"\n  here it changes nothing: it is about {mode.about}",
     )
 
@@ -95,6 +98,30 @@ def audit_report(audit: "Audit", title: str) -> RenderableType:
     left_out = [Text(f"{check}: {number:,} more like these", style="dim") for check, number in audit.more.items()]
     not_checked = [Text(f"not checked: {printable(what)}", style="dim") for what in audit.not_checked]
     return Group(head, *findings, Text(), *left_out, _verdict(audit), *not_checked)
+
+
+def beliefs_report(beliefs: "Beliefs", title: str) -> RenderableType:
+    """Return a table of wrong beliefs, which of them the data refutes and by which checks, and which do not apply."""
+    head = Text.assemble((printable(title), "bold"), f"  {count(beliefs.as_it_is.n_episodes, 'episode')}")
+    table = _table("What the data says of wrong beliefs")
+    for name in ("break mode", "what is believed", "refuted by"):
+        table.add_column(name, overflow="fold")
+    for belief in beliefs.beliefs:
+        if not belief.lacking:
+            columns = f" ({printable(some(belief.columns))})" if belief.columns else ""
+            table.add_row(belief.mode, belief.believed + columns, _refuted_by(belief))
+    verdicts = Counter(belief.verdict for belief in beliefs.beliefs)
+    tally = f"{verdicts['refuted']} refuted, {verdicts['not refuted']} not refuted"
+    left_out = [f"{each.mode}, which is about {each.lacking}" for each in beliefs.beliefs if each.lacking]
+    notes = [f"does not apply: {each}" for each in left_out]
+    notes += [f"refutes nothing: {check}, which finds something in the data as it is" for check in beliefs.found_anyway]
+    return Group(head, Text(), table, Text(), Text(tally, style="bold"), *(Text(line, style="dim") for line in notes))
+
+
+def _refuted_by(belief: "Belief") -> Text:
+    if not belief.refuted_by:
+        return Text("not refuted", style="bold yellow")
+    return Text(", ".join(belief.refuted_by), style="green")
 
 
 def listing(found: Sequence[Listed]) -> RenderableType:
