@@ -218,8 +218,8 @@ def test_nothing_is_said_of_a_matrix_that_lerobot_records(tmp_path):
     features = {"observation.matrix": matrix, "action": matrix}
     where = {"repo_id": "test/test", "root": tmp_path / "dataset", "video_backend": "pyav"}
     dataset = LeRobotDataset.create(**where, fps=10, features=features, use_videos=False)
-    for matrix in np.random.default_rng(0).normal(size=(60, 4, 5)).astype(np.float32):
-        dataset.add_frame({"observation.matrix": matrix, "action": matrix, "task": "test"})
+    for matrix, action in np.random.default_rng(0).normal(size=(60, 2, 4, 5)).astype(np.float32):
+        dataset.add_frame({"observation.matrix": matrix, "action": action, "task": "test"})
     dataset.save_episode()
     dataset.finalize()
     silent(tmp_path / "dataset")
@@ -427,7 +427,10 @@ def test_a_flipped_byte_is_named_if_it_changes_what_matters(file, place, mask):
         flip(root / file, place % (root / file).stat().st_size, mask)
         audit = z2r.audit(root)
         if matters(whole, root / file):
-            assert wrong_in(audit)
+            assert set(audit.findings) - SAID_OF_THE_WHOLE
+
+
+SAID_OF_THE_WHOLE = set(z2r.audit(z2r.STANDIN).findings)
 
 
 def matters(whole: pa.Table, path: Path) -> bool:

@@ -33,7 +33,7 @@ _ROUGH = 3  # times as rough as usual for its speed
 _REPEATED = 0.25  # of the frames: half of them, where a sensor is read at half the rate
 _SOME_REPEATED, _FEW_REPEATED = 0.04, 0.01  # of the frames, where the other episodes have few
 _IDLE = 0.05  # of the usual motion
-_HOMES = 5  # episodes, from which one can be told to begin elsewhere
+_HOMES = 8  # episodes, from which one can be told to begin elsewhere
 _HOMES_APART = 6  # times as far as the episodes of one place are from each other
 _FAR_HOME = 0.08  # of a column's range
 _AWAY = 4  # steps: what gets there in fewer is a velocity, and may begin anywhere
@@ -47,7 +47,7 @@ _NEIGHBOURS = 64  # demonstrations, with which each is compared
 _MAX_COMPARED = 20_000  # demonstrations
 
 
-LEAP = Check("leap", "no robot leaps inside an episode, as where two are joined or it is put back", "warning")
+LEAP = Check("discontinuity", "no robot leaps inside an episode, as where two are joined or it is put back", "warning")
 
 
 @LEAP.of(Runs)
@@ -275,8 +275,13 @@ def no_near_twins(runs: Runs) -> Iterator[Answer]:
 def _nearest(steps: RunSteps, size: int) -> tuple[Floats, Ints]:
     """Return how far each demonstration is from the nearest other one, in spreads of its columns, and which that is."""
     marks = steps.marks.reshape(len(steps.marks), -1, size)  # (n_runs, n_marks, size)
-    spread = np.nanstd(marks.reshape(-1, size), axis=0)
-    marks = ((marks - np.nanmean(marks.reshape(-1, size), axis=0)) / np.where(spread > 0, spread, 1))[:, :, spread > 0]
+    flat = marks.reshape(-1, size)
+    n = np.maximum(np.isfinite(flat).sum(axis=0), 1)
+    mean = np.nansum(flat, axis=0) / n
+    spread = np.sqrt(np.nansum(np.square(flat - mean), axis=0) / n)
+    marks = ((marks - mean) / np.where(spread > 0, spread, 1))[:, :, spread > 0]
+    if not marks.size:
+        return np.full(len(marks), np.nan), np.zeros(len(marks), dtype=np.int64)
     order = np.argsort(np.nansum(marks[:, : marks.shape[1] // 2], axis=(1, 2)), kind="stable")
     distance, neighbour = np.full(len(marks), np.nan), np.zeros(len(marks), dtype=np.int64)
     for ahead in range(1, min(_NEIGHBOURS, len(order) - 1) + 1):

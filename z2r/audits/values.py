@@ -106,7 +106,8 @@ def twin(runs: Runs) -> Iterator[Answer]:
     columns = [column.reshape(len(runs.number), -1) for stats in runs.stats.values() for column in stats]
     rows = np.concatenate(columns, axis=1) + 0.0  # of 0 there are two, which differ in a bit
     first: dict[bytes, int] = {}
-    long = np.flatnonzero(next(iter(runs.stats.values())).n >= _LONG)
+    moves = np.any([(stats.high > stats.low).any(axis=1) for stats in runs.stats.values()], axis=0)
+    long = np.flatnonzero(moves & (next(iter(runs.stats.values())).n >= _LONG))
     twins = [(run, same) for run in long.tolist() if (same := first.setdefault(rows[run].tobytes(), run)) != run]
     if twins:
         run, same = twins[0]
