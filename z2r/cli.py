@@ -401,8 +401,11 @@ def report(dataset: Path | None, *, reading: "Reading | None", out: Path) -> Non
 @_names_a_dataset
 @_reads_as
 @_break_option("Audit it as it is read under one of the mistakes that `z2r inspect --help` names: is it noticed?")
+@click.option("--pictures", is_flag=True, help="Decode some pictures of every episode, too. Needs the extra `video`.")
 @click.option("--json", "as_json", is_flag=True, help="Print the findings as JSON and nothing else.")
-def audit(dataset: Path | None, *, reading: "Reading | None", mode: BreakMode | None, as_json: bool) -> None:
+def audit(
+    dataset: Path | None, *, reading: "Reading | None", mode: BreakMode | None, pictures: bool, as_json: bool
+) -> None:
     """Say what is wrong with a dataset: each finding with what was found, what was expected, and how to mend it.
 
     DATASET is named as for `z2r inspect`. It is never written to.
@@ -415,6 +418,7 @@ def audit(dataset: Path | None, *, reading: "Reading | None", mode: BreakMode | 
     read.
 
     - `z2r audit my_dataset && train my_dataset` trains on nothing that is broken
+    - `z2r audit my_dataset --pictures` also sees a camera that is black or frozen, or films another episode
     - `z2r audit my_dataset --json` is for scripts
     - `z2r audit --break yaw-swap-everywhere` finds by a number what the share reached hides
     """
@@ -431,8 +435,8 @@ def audit(dataset: Path | None, *, reading: "Reading | None", mode: BreakMode | 
     with contextlib.suppress(DatasetError):  # of a schema that cannot be read, the audit says why
         _fitting(reading, read_schema(root))
     _say_what_is_wrong(screen, mode, reading or reading_for(root))
-    with progress("auditing", "data files", as_json) as move:
-        found = audit_dataset(root, mode, reading, move)
+    with progress("auditing", "data files, then episodes of cameras" if pictures else "data files", as_json) as move:
+        found = audit_dataset(root, mode, reading, move, pictures=pictures)
     screen.print(audit_report(found, title))
     if as_json:
         click.echo(msgspec.json.format(msgspec.json.encode(found.to_dict(title)), indent=2))

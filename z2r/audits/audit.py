@@ -19,15 +19,17 @@ from z2r.arrays import Ints, Progress, no_progress
 from z2r.audits import cameras, index, labels, pictures, structure, values
 from z2r.audits.claims import Claims, NoSchema, Stored, claims_under, read_claims
 from z2r.audits.findings import AUDIT, Finding, ask, failed
-from z2r.audits.footage import FileImages, Footage, join_images, read_file_images, read_footage, sum_images
+from z2r.audits.footage import FileImages, Footage, read_file_images, read_footage, sum_images, sum_way
 from z2r.audits.frames import FileClaims, FileFrames, file_claims, run_stats
+from z2r.audits.glances import glance_at, join_filmed
 from z2r.audits.labels import Labels, fold_labels, join_labels
-from z2r.audits.pictures import Looks, looks_of_sizes
+from z2r.audits.looks import Looks, looks_of_glances, looks_of_sizes
 from z2r.audits.runs import FileSums, Runs, join_runs
 from z2r.check import Check, asked_of, parts_in
 from z2r.errors import DatasetError, some
 from z2r.format.about import cameras_of
 from z2r.format.dataset import in_order
+from z2r.format.decoding import check_can_decode
 from z2r.format.schema import MAX_SIGNAL_SIZE, Schema
 from z2r.format.tables import read_data_file
 from z2r.reading.breaks import BreakMode
@@ -123,6 +125,8 @@ def audit(
     scene: Scene | None = None,
     progress: Progress = no_progress,
     executor: Executor | None = None,
+    *,
+    pictures: bool = False,
 ) -> Audit:
     """Look for everything that can be wrong with the dataset in a folder: `z2r.audit`, with all of it handed down.
 
@@ -134,7 +138,11 @@ def audit(
     ------
     DatasetError
         Only with a `mode`: if the dataset is not whole.
+    MissingExtraError
+        Only with `pictures`: if PyAV is not installed.
     """
+    if pictures:
+        check_can_decode()
     root = Path(root)
     try:
         claims = claims_under(mode, root, reading) if mode else read_claims(root, reading)
@@ -154,10 +162,15 @@ def audit(
     findings += [finding for part in sums for finding in part.findings]
     runs = join_runs(claims, files, sums)
     findings += _ask_of_all(claims, files, sums, runs, scene)
-    findings += _ask_of_cameras(claims, runs, sums, executor)
+    try:
+        footage = read_footage(claims, executor)
+        of_cameras, unseen = _ask_of_cameras(files, sums, footage, runs, progress if pictures else None, executor)
+    except Exception as error:
+        of_cameras, unseen = [failed("the pictures", error)], ()
+    findings += of_cameras
     return Audit(
         *_in_order(findings, all_checks(scene)),
-        not_checked=(*_failed(findings), *_not_checked(claims, sums, scene)),
+        not_checked=(*_failed(findings), *_not_checked(claims, sums, scene), *unseen),
         n_episodes=len(claims.table.number),
         n_frames=sum(part.n_rows or 0 for part in sums),
         break_mode=mode.name if mode else None,
@@ -189,16 +202,16 @@ def _fold_file(
         frames = FileFrames(claims, schema, tasks, read_data_file(root, schema, claims.path))
         findings = [*ask(asked_of(FileFrames, PARTS), frames)]
         if not frames.read.n_rows:
-            return FileSums(frames.read.n_rows, findings, nothing, None, {}, None, None, {})
+            return FileSums(frames.read.n_rows, findings, nothing, None, {}, None, None, {}, None)
         number, starts = frames.counts.get("episode_index"), frames.run_starts
         stats = {name: run_stats(signal, starts) for name, signal in frames.signals.items()}
         numbers, scene_sums = None if number is None else number[starts], _fold_scene(scene, frames, reading, findings)
         said, pictures = fold_labels(frames, reading), read_file_images(root, frames)
         findings += ask(asked_of(FileImages, PARTS), pictures)
-        images = sum_images(pictures)
-        return FileSums(frames.read.n_rows, findings, starts, numbers, stats, said, scene_sums, images)
+        images, way = sum_images(pictures), sum_way(frames)
+        return FileSums(frames.read.n_rows, findings, starts, numbers, stats, said, scene_sums, images, way)
     except Exception as error:
-        return FileSums(None, [failed(claims.path.as_posix(), error)], nothing, None, {}, None, None, {})
+        return FileSums(None, [failed(claims.path.as_posix(), error)], nothing, None, {}, None, None, {}, None)
 
 
 def _fold_scene(scene: Scene | None, frames: FileFrames, reading: Reading | None, findings: list[Finding]) -> Any:
@@ -228,18 +241,20 @@ def _ask_of_all(
 
 
 def _ask_of_cameras(
-    claims: Claims, runs: Runs | None, sums: Sequence[FileSums], executor: Executor | None
-) -> Iterator[Finding]:
-    try:
-        footage = read_footage(claims, executor)
-        images = join_images([sums[number].images for number in runs.read]) if runs else {}
-        looks = looks_of_sizes(footage, runs, images) if runs else None
-    except Exception as error:
-        yield failed("the pictures", error)
-        return
-    yield from ask(asked_of(Footage, PARTS), footage)
-    if looks:
-        yield from ask(asked_of(Looks, PARTS), looks)
+    files: Sequence[FileClaims],
+    sums: Sequence[FileSums],
+    footage: Footage,
+    runs: Runs | None,
+    decode: Progress | None,
+    executor: Executor | None,
+) -> tuple[list[Finding], Sequence[str]]:
+    """Ask of the indices of videos, and of what the pictures look like; say also what nobody looked at."""
+    findings = [*ask(asked_of(Footage, PARTS), footage)]
+    if runs is None or not cameras_of(footage.claims.schema):
+        return findings, ()
+    filmed = join_filmed(footage, runs, [(files[number], sums[number]) for number in runs.read])
+    looks = looks_of_glances(filmed, glance_at(filmed, decode, executor)) if decode else looks_of_sizes(filmed)
+    return [*findings, *ask(asked_of(Looks, PARTS), looks)], looks.not_checked
 
 
 def _has_scene(sums: Sequence[FileSums]) -> bool:
@@ -260,12 +275,9 @@ def _not_checked(claims: Claims, sums: Sequence[FileSums], scene: Scene | None) 
     if gaps:
         yield f"jumps, standstill and statistics of {some(sorted(gaps))}: not all values are numbers"
     features = claims.schema.features.items()
-    cameras = [camera.name for camera in cameras_of(claims.schema)]
-    if cameras:
-        yield f"what {some(cameras)} show: no picture was decoded, and sizes only hint at it (--pictures decodes)"
-    others = [name for name, feature in features if not feature.is_numeric and name not in cameras]
-    if others:
-        yield f"the text in {some(others)}"
+    texts = [name for name, feature in features if feature.dtype.startswith(("string", "language"))]
+    if texts:
+        yield f"the text in {some(texts)}"
     wide = [name for name, feature in features if feature.is_numeric and feature.size > MAX_SIGNAL_SIZE]
     if wide:
         yield f"the values of {some(wide)}: more than {MAX_SIGNAL_SIZE} numbers a frame"

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from z2r.arrays import Ints
+from z2r.arrays import Floats, Ints
 from z2r.audits.claims import Claims
 from z2r.audits.findings import Finding
 from z2r.audits.footage import ImageSums
@@ -34,6 +34,8 @@ class FileSums(NamedTuple):
         What the scene made of it; None where there is none, or its columns are not there.
     images : dict of str to ImageSums
         Of each feature whose pictures stand in it.
+    way : ndarray, (n_runs, 65), or None
+        How far the robot has come, from `sum_way`.
     """
 
     n_rows: int | None
@@ -44,6 +46,7 @@ class FileSums(NamedTuple):
     labels: FileLabels | None
     scene: Any
     images: dict[str, ImageSums]
+    way: Floats | None
 
 
 class Runs(NamedTuple):
