@@ -5,9 +5,10 @@ another. `test_cameras.py` shows that LeRobotDataset reads them, and that of wha
 """
 
 import io
-import json
 from collections.abc import Callable, Iterator, Sequence
+from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import av
 import numpy as np
@@ -50,47 +51,46 @@ def film(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
         yield picture.clip(0, 255).astype(np.uint8)
 
 
-def write_filmed(
+def write_filmed(root: Path, film: Film = film, rests: int | None = None, **how: Any) -> None:
+    """Write a dataset in which every episode is filmed, as `shoot` does; in one of them, the hand may rest."""
+    _write_states(root, _states(rests), SEEN)
+    for camera in CAMERAS:
+        shoot(root, camera, film, rests=rests, **how)
+
+
+def shoot(
     root: Path,
+    camera: str,
     film: Film = film,
     *,
-    cameras: Sequence[str] = CAMERAS,
-    lengths: Sequence[int] = LENGTHS,
-    files: Sequence[int] | None = None,
+    files: Sequence[int] = (len(LENGTHS),),
     codec: str = "libx264",
+    rests: int | None = None,
 ) -> None:
-    """Write a dataset in which every episode is filmed; `files` says how many episodes each video holds."""
-    states = [wander(episode, n_frames) for episode, n_frames in enumerate(lengths)]
-    frames = {"observation.state": np.concatenate(states), "action": np.concatenate(states)}
-    names = {"dtype": "float32", "shape": [2], "names": ["x", "y"]}
-    features = {"observation.state": names, "action": names, **dict.fromkeys(cameras, SEEN)}
-    layout = Layout(files=[len(lengths)], shards=[len(lengths)], episode_stats=True)
-    write_dataset(root, frames, lengths, layout, features=features | BOOKKEEPING, video_path=VIDEO_PATH)
-    files = [len(lengths)] if files is None else files
-    for camera in cameras:
-        point_at_videos(root, camera, lengths, files)
-        first = 0
-        for number, n_episodes in enumerate(files):
-            own = range(first, first + n_episodes)
-            pictures = [list(film(camera, episode, states[episode])) for episode in own]
-            write_video(video(root, camera, number), pictures, codec)
-            first += n_episodes
+    """Film all episodes with one camera; `files` says how many of them each video holds."""
+    _point_at_videos(root, camera, files)
+    episodes = [list(film(camera, episode, states)) for episode, states in enumerate(_states(rests))]
+    ends = np.cumsum(files).tolist()
+    for number, (first, end) in enumerate(pairwise([0, *ends])):
+        write_video(video(root, camera, number), episodes[first:end], codec)
 
 
 def write_photographed(root: Path, film: Film = film, kind: str = "png") -> None:
     """Write a dataset whose pictures stand in the data file, as a PNG or JPEG in each row."""
-    write_filmed(root, film, cameras=())
-    info = json.loads((root / "meta/info.json").read_text())
-    info["features"] |= dict.fromkeys(CAMERAS, SEEN | {"dtype": "image"})
-    (root / "meta/info.json").write_text(json.dumps(info))
+    _write_states(root, _states(), SEEN | {"dtype": "image"})
+    for camera in CAMERAS:
+        photograph(root, camera, film, kind)
+
+
+def photograph(root: Path, camera: str, film: Film = film, kind: str = "png") -> None:
+    """Take the pictures of one camera."""
+    pictures = (picture for episode, states in enumerate(_states()) for picture in film(camera, episode, states))
+    rows = [{"bytes": encoded(picture, kind), "path": f"{row}.{kind}"} for row, picture in enumerate(pictures)]
     [path] = data_files(root)
     table = pq.read_table(path)
-    for camera in CAMERAS:
-        states = (wander(episode, n_frames) for episode, n_frames in enumerate(LENGTHS))
-        pictures = (picture for episode, own in enumerate(states) for picture in film(camera, episode, own))
-        rows = [{"bytes": encoded(picture, kind), "path": f"{row}.{kind}"} for row, picture in enumerate(pictures)]
-        table = table.append_column(camera, pa.array(rows, pa.struct({"bytes": pa.binary(), "path": pa.string()})))
-    pq.write_table(table, path, row_group_size=100)
+    column = pa.array(rows, pa.struct({"bytes": pa.binary(), "path": pa.string()}))
+    others = table.drop_columns([camera] if camera in table.column_names else [])
+    pq.write_table(others.append_column(camera, column), path, row_group_size=100)
 
 
 def encoded(picture: np.ndarray, kind: str = "png") -> bytes:
@@ -98,19 +98,6 @@ def encoded(picture: np.ndarray, kind: str = "png") -> bytes:
     file = io.BytesIO()
     Image.fromarray(picture).save(file, kind, compress_level=6)
     return file.getvalue()
-
-
-def point_at_videos(root: Path, camera: str, lengths: Sequence[int], files: Sequence[int]) -> None:
-    """Let the metadata say which video each episode is in, and from when to when."""
-    number = np.repeat(np.arange(len(files)), files)
-    stop = np.concatenate([np.cumsum(part) for part in np.split(np.asarray(lengths), np.cumsum(files)[:-1])]) / FPS
-    columns = {"chunk_index": 0 * number, "file_index": number}
-    columns |= {"from_timestamp": stop - np.asarray(lengths) / FPS, "to_timestamp": stop}
-    [path] = shard_files(root)
-    table = pq.read_table(path)
-    for key, values in columns.items():
-        table = table.append_column(f"videos/{camera}/{key}", pa.array(values))
-    pq.write_table(table, path)
 
 
 def video(root: Path, camera: str, number: int = 0) -> Path:
@@ -132,3 +119,30 @@ def write_video(
                 frame.pict_type = av.video.frame.PictureType.NONE if number else av.video.frame.PictureType.I
                 file.mux(stream.encode(frame))
         file.mux(stream.encode())
+
+
+def _states(rests: int | None = None) -> list[np.ndarray]:
+    states = [wander(episode, n_frames) for episode, n_frames in enumerate(LENGTHS)]
+    return [own[:1].repeat(len(own), 0) if episode == rests else own for episode, own in enumerate(states)]
+
+
+def _write_states(root: Path, states: Sequence[np.ndarray], seen: dict[str, Any]) -> None:
+    frames = {"observation.state": np.concatenate(states), "action": np.concatenate(states)}
+    features = {name: {"dtype": "float32", "shape": [2], "names": ["x", "y"]} for name in frames}
+    features |= dict.fromkeys(CAMERAS, seen) | BOOKKEEPING
+    layout = Layout(files=[len(states)], shards=[len(states)], episode_stats=True)
+    write_dataset(root, frames, LENGTHS, layout, features=features, video_path=VIDEO_PATH)
+
+
+def _point_at_videos(root: Path, camera: str, files: Sequence[int]) -> None:
+    """Let the metadata say which video each episode is in, and from when to when."""
+    number, lengths = np.repeat(np.arange(len(files)), files), np.asarray(LENGTHS)
+    stop = np.concatenate([np.cumsum(part) for part in np.split(lengths, np.cumsum(files)[:-1])]) / FPS
+    columns = {"chunk_index": 0 * number, "file_index": number, "from_timestamp": stop - lengths / FPS}
+    [path] = shard_files(root)
+    table = pq.read_table(path)
+    for key, values in (columns | {"to_timestamp": stop}).items():
+        name = f"videos/{camera}/{key}"
+        table = table.drop_columns([name] if name in table.column_names else [])
+        table = table.append_column(name, pa.array(values))
+    pq.write_table(table, path)

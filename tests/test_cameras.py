@@ -1,13 +1,17 @@
 """Do the pictures belong to the frames? Indices of videos against FFmpeg, and every fault of a camera is named."""
 
 import itertools
+import multiprocessing
 import os
 import random
 import re
 import shutil
 import struct
+import subprocess
+import sys
 import tempfile
 from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -39,6 +43,8 @@ from filmed import (
     Film,
     encoded,
     film,
+    photograph,
+    shoot,
     video,
     wander,
     write_filmed,
@@ -51,8 +57,10 @@ from test_audit import said
 
 import z2r
 from z2r.audits import cameras, pictures
+from z2r.audits.findings import AUDIT
 from z2r.check import parts_in
-from z2r.format import mp4
+from z2r.cli import main
+from z2r.format import decoding, mp4
 from z2r.format.mp4 import VideoIndex, read_video_index
 
 pytestmark = pytest.mark.filterwarnings("error")
@@ -281,9 +289,9 @@ def test_nothing_is_said_of_videos_that_are_whole(filmed):
 
 
 @pytest.mark.parametrize("codec", ["libsvtav1", "libx265"])
-def test_nothing_is_said_of_several_videos_of_another_codec(codec, tmp_path):
-    write_filmed(tmp_path / "dataset", codec=codec, files=[3, 1, 4])
-    silent(tmp_path / "dataset")
+def test_nothing_is_said_of_several_videos_of_another_codec(codec, root):
+    shoot(root, SIDE, codec=codec, files=[3, 1, 4])
+    silent(root)
 
 
 def test_nothing_is_said_of_what_lerobot_writes_and_it_reads_what_is_laid_out_here(filmed, tmp_path):
@@ -511,15 +519,15 @@ def only(wrong: Film, *episodes: int, camera: str = SIDE) -> Film:
     ("wrong", "check", "severity", "place"),
     [
         (only(black, 3), "camera-flat", "warning", "in episode 3: found"),
-        (only(black), "camera-flat", "warning", "in episode [01]: found .*and [67] more"),
+        (black, "camera-flat", "warning", "in episode [01]: found .*and [67] more"),
         (only(frozen, 3), "camera-frozen", "warning", "in episode 3: found"),
-        (only(frozen), "camera-frozen", "note", "in episode [01]: found .*and [67] more"),
+        (frozen, "camera-frozen", "note", "in episode [01]: found .*and [67] more"),
     ],
     ids=["black for an episode", "always black", "frozen for an episode", "always frozen"],
 )
-def test_the_sizes_of_pictures_hint_at_what_they_show(wrong, check, severity, place, codec, tmp_path):
-    write_filmed(tmp_path / "dataset", wrong, codec=codec)
-    [finding] = z2r.audit(tmp_path / "dataset").findings
+def test_the_sizes_of_pictures_hint_at_what_they_show(wrong, check, severity, place, codec, root):
+    shoot(root, SIDE, wrong, codec=codec)
+    [finding] = z2r.audit(root).findings
     assert (finding.check, finding.severity) == (check, severity)
     assert re.search(f"{SIDE} {place}", str(finding))
     assert "--pictures" in finding.mend
@@ -535,10 +543,16 @@ def photographed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return root
 
 
-def test_nothing_is_said_of_images_that_are_whole(photographed, tmp_path):
-    silent(photographed)
-    write_photographed(tmp_path / "dataset", kind="jpeg")
-    silent(tmp_path / "dataset")
+@pytest.fixture
+def album(photographed: Path, tmp_path: Path) -> Path:
+    """A copy, to be damaged."""
+    return Path(shutil.copytree(photographed, tmp_path / "dataset"))
+
+
+def test_nothing_is_said_of_images_that_are_whole(album):
+    silent(album)
+    photograph(album, SIDE, kind="jpeg")
+    silent(album)
 
 
 def put_image(row: int, picture: bytes | None) -> Callable[[Path], None]:
@@ -591,10 +605,10 @@ def copy_column(root: Path, source: str, target: str) -> None:
 
 
 @pytest.mark.parametrize("kind", IMAGE_FAULTS)
-def test_a_fault_of_images_is_named_and_nothing_else(kind, photographed, tmp_path):
-    fault, root = IMAGE_FAULTS[kind], Path(shutil.copytree(photographed, tmp_path / "dataset"))
-    fault.do(root)
-    audit = z2r.audit(root)
+def test_a_fault_of_images_is_named_and_nothing_else(kind, album):
+    fault = IMAGE_FAULTS[kind]
+    fault.do(album)
+    audit = z2r.audit(album)
     assert {finding.check for finding in audit.findings} == {fault.checks}, said(audit)
     assert (audit.findings[0].severity, audit.findings[0].file) == (fault.severity, fault.file), said(audit)
     assert fault.says in str(audit.findings[0])
@@ -605,20 +619,249 @@ def test_a_fault_of_images_is_named_and_nothing_else(kind, photographed, tmp_pat
     ("wrong", "check", "severity", "place"),
     [
         (only(black, 3), "camera-flat", "warning", "in episode 3: found the same picture in all frames, no larger"),
-        (only(black), "camera-flat", "warning", "in episode [01]: found .*and [67] more"),
+        (black, "camera-flat", "warning", "in episode [01]: found .*and [67] more"),
         (only(frozen, 3), "camera-frozen", "warning", "in episode 3: found the same picture in all frames,"),
-        (only(frozen), "camera-frozen", "note", "in episode [01]: found .*and [67] more"),
+        (frozen, "camera-frozen", "note", "in episode [01]: found .*and [67] more"),
     ],
     ids=["black for an episode", "always black", "frozen for an episode", "always frozen"],
 )
-def test_images_that_are_the_same_are_named(wrong, check, severity, place, kind, tmp_path):
-    write_photographed(tmp_path / "dataset", wrong, kind)
-    [finding] = z2r.audit(tmp_path / "dataset").findings
+def test_images_that_are_the_same_are_named(wrong, check, severity, place, kind, album):
+    photograph(album, SIDE, wrong, kind)
+    [finding] = z2r.audit(album).findings
     assert (finding.check, finding.severity) == (check, severity)
     assert re.search(f"{SIDE} {place}", str(finding))
 
 
+# --- what the pictures show, once they are decoded
+
+
+def gray(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
+    """One colour, with the noise of a sensor that sees no light."""
+    rng = np.random.default_rng(episode)
+    return (rng.normal(90, 2, (*SIZE, 3)).astype(np.uint8) for _ in states)
+
+
+def hung(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
+    """A camera that hangs after a third of the episode."""
+    pictures = list(film(camera, episode, states))
+    return (pictures[min(frame, len(states) // 3)] for frame in range(len(states)))
+
+
+def front_again(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
+    return film(FRONT, episode, states)
+
+
+def exchanged(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
+    """Episodes 0 and 4, which are as long, are exchanged."""
+    other = {0: 4, 4: 0}[episode]
+    return film(camera, other, wander(other, len(states)))
+
+
+def stranger(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
+    return film(camera, 99, wander(99, len(states)))
+
+
+def late(n_frames: int) -> Film:
+    """A camera whose pictures come so many frames late, or early."""
+
+    def filmed(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
+        seen = np.clip(np.arange(len(states)) - n_frames, 0, len(states) - 1)
+        return film(camera, episode, states[seen])
+
+    return filmed
+
+
+SEEN = {
+    "black for an episode": (only(black, 3), "camera-flat", "warning", r"in episode 3: found one colour, black,"),
+    "always black": (black, "camera-flat", "warning", r"in episode 0: found one colour, black \(and 7 more"),
+    "always one colour": (gray, "camera-flat", "warning", "in episode 0: found one colour, of a brightness of 9"),
+    "frozen for an episode": (only(frozen, 3), "camera-frozen", "warning", "in episode 3: found the same picture for "),
+    "frozen in a few": (only(frozen, 1, 2, 3), "camera-frozen", "warning", "in episode 1: .*and 2 more"),
+    "hung in an episode": (only(hung, 3), "camera-frozen", "warning", "in episode 3: found the same picture for [67]"),
+    "always frozen": (frozen, "camera-frozen", "note", "in episode 0: .*and 7 more"),
+    "one camera twice in an episode": (
+        only(front_again, 3),
+        "camera-twin",
+        "warning",
+        f"in episode 3: found the same .* {FRONT}",
+    ),
+    "two episodes exchanged": (
+        only(exchanged, 0, 4),
+        "camera-motion",
+        "warning",
+        r"in episode 0: found a correlation of 0.[0-4].* with that in episode 4 \(and 1 more",
+    ),
+    "another episode": (only(stranger, 3), "camera-motion", "warning", "in episode 3: found a correlation of -0.1"),
+    "pictures 1.5 s late": (only(late(15), 3), "camera-motion", "warning", r"in episode 3: .* with that 1.6 s before"),
+    "pictures 1.5 s early": (
+        only(late(-15), 3),
+        "camera-motion",
+        "warning",
+        r"in episode 3: .* with that 1.[46] s after",
+    ),
+    "all pictures 1.5 s late": (
+        late(15),
+        "camera-motion",
+        "warning",
+        r"in episode [01]: .* with that 1.[46] s before \(and [67] more",
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", SEEN)
+def test_what_decoded_pictures_show_is_named(kind, root):
+    wrong, check, severity, says = SEEN[kind]
+    shoot(root, SIDE, wrong)
+    audit = z2r.audit(root, pictures=True)
+    [finding] = audit.findings
+    assert (finding.check, finding.severity) == (check, severity), said(audit)
+    assert re.search(f"{SIDE} {says}", str(finding)), said(audit)
+    assert "--pictures" not in str(finding) + "".join(audit.not_checked)
+
+
+@pytest.mark.parametrize("codec", ["libx264", "libsvtav1", "libx265"])
+def test_nothing_is_said_of_decoded_pictures_that_are_right(codec, root):
+    """Nor of a camera that is a little late, as real ones are."""
+    shoot(root, SIDE, late(1), codec=codec, files=[3, 5])
+    audit = silent(root, pictures=True)
+    assert not any("pictures" in line for line in audit.not_checked)
+
+
+def test_nothing_is_said_where_the_robot_rests_or_is_not_in_the_picture(tmp_path):
+    """An episode in which nobody moves, and a camera that looks at a street instead."""
+
+    def street(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
+        return film(camera, episode + 50, wander(episode + 50, len(states)))
+
+    write_filmed(tmp_path / "dataset", rests=3)
+    shoot(tmp_path / "dataset", SIDE, street)
+    audit = silent(tmp_path / "dataset", pictures=True)
+    assert any(line.startswith(f"whether the pictures of {SIDE} go with") for line in audit.not_checked)
+
+
+@pytest.mark.parametrize("kind", ["frozen for an episode", "one camera twice in an episode", "two episodes exchanged"])
+def test_decoded_images_show_the_same_as_decoded_videos(kind, album):
+    wrong, check, severity, says = SEEN[kind]
+    photograph(album, SIDE, wrong)
+    [finding] = z2r.audit(album, pictures=True).findings
+    assert (finding.check, finding.severity) == (check, severity)
+    assert re.search(f"{SIDE} {says}", str(finding))
+
+
+def test_nothing_is_said_of_decoded_images_that_are_right(photographed):
+    silent(photographed, pictures=True)
+
+
+def spoil_pictures(path: Path) -> None:
+    """Let the index of a video be whole, and its pictures be nothing."""
+    data = path.read_bytes()
+    start = data.index(b"mdat") + 4
+    path.write_bytes(data[:start] + bytes(len(data) - start))
+
+
+def test_pictures_that_cannot_be_decoded_are_named(root):
+    spoil_pictures(video(root, SIDE))
+    silent(root)
+    audit = z2r.audit(root, pictures=True)
+    [finding] = audit.findings
+    assert (finding.check, finding.severity, finding.file) == ("video-file", "error", SIDE_VIDEO)
+    assert any(f"what {SIDE} shows in 8 of 8 episodes" in line for line in audit.not_checked)
+
+
+def test_an_image_that_cannot_be_decoded_is_named(album):
+    whole = encoded(next(film(SIDE, 0, wander(0, 1))))
+    put_image(0, whole[:60] + bytes(len(whole) - 80) + whole[-20:])(album)
+    silent(album)
+    [finding] = z2r.audit(album, pictures=True).findings
+    assert (finding.check, finding.field) == ("camera-format", f"{SIDE} in row 0")
+
+
+def test_an_image_that_is_too_large_is_not_decoded(photographed, monkeypatch):
+    monkeypatch.setattr(decoding, "_MAX_PIXELS", SIZE[0] * SIZE[1] - 1)
+    assert {finding.check for finding in z2r.audit(photographed, pictures=True).findings} == {"camera-format"}
+
+
+def test_a_video_of_too_large_pictures_is_not_decoded(filmed, monkeypatch):
+    monkeypatch.setattr(decoding, "_MAX_PIXELS", SIZE[0] * SIZE[1] - 1)
+    assert {finding.check for finding in z2r.audit(filmed, pictures=True).findings} == {"video-file"}
+
+
+def test_bytes_that_name_other_files_open_none(root):
+    """FFmpeg takes some texts for lists of files and addresses."""
+    listed = b"#EXTM3U\n#EXTINF:1,\n" + str(video(root, FRONT)).encode() + b"\n#EXT-X-ENDLIST\n"
+    index = read_video_index(root, Path(SIDE_VIDEO))
+    video(root, SIDE).write_bytes(listed)
+    with pytest.raises(z2r.DatasetError):
+        list(decoding.decode_video(root, Path(SIDE_VIDEO), index, np.arange(8)))
+
+
+def test_all_pictures_of_a_long_group_are_decoded(tmp_path):
+    write_video(tmp_path / "a.mp4", PICTURES, g="40", bf="3")
+    index, wanted = index_of(tmp_path / "a.mp4"), np.array([3, 17, 18, 41, 49])
+    decoded = dict(decoding.decode_video(tmp_path, Path("a.mp4"), index, wanted))
+    assert sorted(decoded) == wanted.tolist()
+    for number, small in decoded.items():
+        assert abs(small.mean() - (PICTURES[0][number] @ [0.299, 0.587, 0.114]).mean()) < 3
+
+
+def test_progress_is_told_of_files_and_of_episodes(filmed):
+    told = []
+    z2r.audit(filmed, progress=lambda done, total: told.append((done, total)), pictures=True)
+    assert told[0] == (1, 1)
+    assert told[-1] == (2 * len(LENGTHS), 2 * len(LENGTHS))
+
+
+def test_other_processes_see_what_threads_see(root):
+    shoot(root, SIDE, only(frozen, 3), codec="libsvtav1")
+    with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as processes:
+        for how in ({}, {"pictures": True}):
+            audit = z2r.audit(root, executor=processes, **how)
+            assert audit.findings
+            assert audit == z2r.audit(root, **how)
+
+
+def test_what_nobody_looked_at_is_said(filmed, photographed):
+    for dataset in (filmed, photographed):
+        [line] = (line for line in z2r.audit(dataset).not_checked if "--pictures" in line)
+        assert FRONT in line
+        assert SIDE in line
+
+
+@pytest.mark.parametrize("module", ["footage", "glances"])
+def test_a_reader_of_pictures_that_fails_is_a_finding_and_not_the_end(module, filmed, monkeypatch):
+    monkeypatch.setattr(f"z2r.audits.{module}.read_video", lambda *_: 1 / 0)
+    audit = z2r.audit(filmed, pictures=True)
+    assert [finding.check for finding in audit.findings] == [AUDIT.name]
+    assert any("the pictures" in line for line in audit.not_checked)
+    assert audit.n_frames == N_FRAMES
+
+
+def run(*args: object) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-c", "from z2r.cli import main; main()", "audit", *map(str, args)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+
+
+def test_the_command_decodes_pictures_only_when_it_is_told_to(root):
+    shoot(root, SIDE, only(exchanged, 0, 4))
+    assert run(root).returncode == 0
+    decoded = run(root, "--pictures")
+    assert (decoded.returncode, decoded.stderr) == (1, "")
+    assert "camera-motion" in decoded.stdout
+
+
+def test_the_command_says_what_it_needs_to_decode(filmed, monkeypatch, capsys):
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    monkeypatch.setattr(sys, "argv", ["z2r", "audit", str(filmed), "--pictures"])
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert end.value.code == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert re.fullmatch(r"z2r: .*pip install '.\[video\]'\n", said.err)
+
+
 def test_every_check_of_a_camera_is_made_to_fail():
     named = {check for fault in (*FAULTS.values(), *IMAGE_FAULTS.values()) for check in fault.checks.split()}
-    named |= {"camera-flat", "camera-frozen"}
-    assert named >= {part.check.name for part in parts_in(cameras, pictures)}
+    assert named | {check for _, check, *_ in SEEN.values()} >= {
+        part.check.name for part in parts_in(cameras, pictures)
+    }

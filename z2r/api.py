@@ -186,6 +186,8 @@ def audit(
     reading: Reading | None = None,
     progress: Progress = no_progress,
     executor: Executor | None = None,
+    *,
+    pictures: bool = False,
 ) -> Audit:
     """Look for everything that can be wrong with a dataset, in one pass over its files.
 
@@ -198,14 +200,19 @@ def audit(
     reading : Reading, optional
         What the columns mean; the one that ships and fits, unless given. The scene that it names adds its checks.
     progress : callable, optional
-        Called with the number of data files done and the number of all, after each.
+        Called with the number of data files done and the number of all, after each; then, with `pictures`, with that of
+        the episodes of each camera.
     executor : Executor, optional
         What runs the pass over the data files; threads unless given.
+    pictures : bool, optional
+        Decode some pictures of every episode and look at them. Needs the extra ``video``.
 
     Raises
     ------
     DatasetError
         Only with a `mode`: if the dataset is not whole.
+    MissingExtraError
+        Only with `pictures`: if PyAV is not installed.
 
     Examples
     --------
@@ -221,7 +228,7 @@ def audit(
     """
     root = dataset.root if isinstance(dataset, Dataset) else _folder(dataset)
     reading = reading or reading_for(root)
-    return audits.audit(root, mode, reading, scene_of(reading), progress, executor)
+    return audits.audit(root, mode, reading, scene_of(reading), progress, executor, pictures=pictures)
 
 
 def audit_beliefs(

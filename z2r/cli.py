@@ -413,9 +413,16 @@ def report(dataset: Path | None, *, reading: "Reading | None", out: Path) -> Non
     metavar="FILE",
     help="Write the numbers of the episodes that no error is about, as `lerobot-train --dataset.episodes` takes them.",
 )
+@click.option("--pictures", is_flag=True, help="Decode some pictures of every episode, too. Needs the extra `video`.")
 @click.option("--json", "as_json", is_flag=True, help="Print the findings as JSON and nothing else.")
 def audit(
-    dataset: Path | None, *, reading: "Reading | None", mode: BreakMode | str | None, keep: Path | None, as_json: bool
+    dataset: Path | None,
+    *,
+    reading: "Reading | None",
+    mode: BreakMode | str | None,
+    keep: Path | None,
+    pictures: bool,
+    as_json: bool,
 ) -> None:
     """Say what is wrong with a dataset: each finding with what was found, what was expected, and how to mend it.
 
@@ -431,6 +438,7 @@ def audit(
     - `z2r audit my_dataset && train my_dataset` trains on nothing that is broken
     - `z2r audit my_dataset --keep good.json`, and `lerobot-train --dataset.episodes="$(cat good.json)" ...` leaves the
       episodes out that have an error
+    - `z2r audit my_dataset --pictures` also sees a camera that is black or frozen, or films another episode
     - `z2r audit my_dataset --json` is for scripts
     - `z2r audit --break yaw-swap-everywhere` finds by a number what the share reached hides
     - `z2r audit my_dataset --break all` says which wrong beliefs about it the data refutes, and which it cannot
@@ -454,8 +462,8 @@ def audit(
         return
     if mode:
         _say_what_is_wrong(screen, mode, load(root), reading or reading_for(root))
-    with progress("auditing", "data files", as_json) as move:
-        found = audit_dataset(root, mode, reading, move)
+    with progress("auditing", "data files, then episodes of cameras" if pictures else "data files", as_json) as move:
+        found = audit_dataset(root, mode, reading, move, pictures=pictures)
     screen.print(audit_report(found, title), crop=False)
     if keep:
         _write_kept(found, keep, screen)

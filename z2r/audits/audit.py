@@ -20,11 +20,12 @@ from z2r.audits import cameras, index, joints, labels, motion, pictures, readine
 from z2r.audits.claims import Claims, NoSchema, Stored, claims_under, read_claims
 from z2r.audits.findings import AUDIT, Finding, ask, failed
 from z2r.audits.following import fold_following, join_following, pairs_of
-from z2r.audits.footage import FileImages, Footage, join_images, read_file_images, read_footage, sum_images
+from z2r.audits.footage import FileImages, Footage, read_file_images, read_footage, sum_images, sum_way
 from z2r.audits.frames import FileClaims, FileFrames, file_claims, run_stats
+from z2r.audits.glances import glance_at, join_filmed
 from z2r.audits.joints import Joints
 from z2r.audits.labels import Labels, fold_labels, join_labels
-from z2r.audits.pictures import Looks, looks_of_sizes
+from z2r.audits.looks import Looks, looks_of_glances, looks_of_sizes
 from z2r.audits.readiness import standstill
 from z2r.audits.runs import FileSums, Runs, join_runs
 from z2r.audits.steps import moves, run_steps
@@ -33,6 +34,7 @@ from z2r.check import SEVERITIES, Check, asked_of, parts_in
 from z2r.errors import DatasetError, some
 from z2r.format.about import cameras_of
 from z2r.format.dataset import in_order
+from z2r.format.decoding import check_can_decode
 from z2r.format.schema import ACTION, MAX_SIGNAL_SIZE, Schema
 from z2r.format.tables import read_data_file
 from z2r.reading.breaks import BreakMode
@@ -138,6 +140,8 @@ def audit(
     scene: Scene | None = None,
     progress: Progress = no_progress,
     executor: Executor | None = None,
+    *,
+    pictures: bool = False,
 ) -> Audit:
     """Look for everything that can be wrong with the dataset in a folder: `z2r.audit`, with all of it handed down.
 
@@ -149,7 +153,11 @@ def audit(
     ------
     DatasetError
         Only with a `mode`: if the dataset is not whole.
+    MissingExtraError
+        Only with `pictures`: if PyAV is not installed.
     """
+    if pictures:
+        check_can_decode()
     root = Path(root)
     try:
         claims = claims_under(mode, root, reading) if mode else read_claims(root, reading)
@@ -169,10 +177,15 @@ def audit(
     findings += [finding for part in sums for finding in part.findings]
     runs = join_runs(claims, files, sums)
     findings += _ask_of_all(claims, files, sums, runs, scene)
-    findings += _ask_of_cameras(claims, runs, sums, executor)
+    try:
+        footage = read_footage(claims, executor)
+        of_cameras, unseen = _ask_of_cameras(files, sums, footage, runs, progress if pictures else None, executor)
+    except Exception as error:
+        of_cameras, unseen = [failed("the pictures", error)], ()
+    findings += of_cameras
     return Audit(
         *_in_order(findings, all_checks(scene)),
-        not_checked=(*_failed(findings), *_not_checked(claims, sums, scene)),
+        not_checked=(*_failed(findings), *_not_checked(claims, sums, scene), *unseen),
         n_episodes=len(claims.table.number),
         n_frames=sum(part.n_rows or 0 for part in sums),
         break_mode=mode.name if mode else None,
@@ -221,6 +234,7 @@ def _fold_file(
             idle=standstill(signals, starts),
             tasks=fold_tasks(frames),
             images=sum_images(images),
+            way=sum_way(frames),
         )
     except Exception as error:
         return FileSums(None, [failed(claims.path.as_posix(), error)])
@@ -264,18 +278,20 @@ def _ask_of_all(
 
 
 def _ask_of_cameras(
-    claims: Claims, runs: Runs | None, sums: Sequence[FileSums], executor: Executor | None
-) -> Iterator[Finding]:
-    try:
-        footage = read_footage(claims, executor)
-        images = join_images([sums[number].images for number in runs.read]) if runs else {}
-        looks = looks_of_sizes(footage, runs, images) if runs else None
-    except Exception as error:
-        yield failed("the pictures", error)
-        return
-    yield from ask(asked_of(Footage, PARTS), footage)
-    if looks:
-        yield from ask(asked_of(Looks, PARTS), looks)
+    files: Sequence[FileClaims],
+    sums: Sequence[FileSums],
+    footage: Footage,
+    runs: Runs | None,
+    decode: Progress | None,
+    executor: Executor | None,
+) -> tuple[list[Finding], Sequence[str]]:
+    """Ask of the indices of videos, and of what the pictures look like; say also what nobody looked at."""
+    findings = [*ask(asked_of(Footage, PARTS), footage)]
+    if runs is None or not cameras_of(footage.claims.schema):
+        return findings, ()
+    filmed = join_filmed(footage, runs, [(files[number], sums[number]) for number in runs.read])
+    looks = looks_of_glances(filmed, glance_at(filmed, decode, executor)) if decode else looks_of_sizes(filmed)
+    return [*findings, *ask(asked_of(Looks, PARTS), looks)], looks.not_checked
 
 
 def _has_scene(sums: Sequence[FileSums]) -> bool:
@@ -296,12 +312,9 @@ def _not_checked(claims: Claims, sums: Sequence[FileSums], scene: Scene | None) 
     if gaps:
         yield f"jumps, standstill and statistics of {some(sorted(gaps))}: not all values are numbers"
     features = claims.schema.features.items()
-    cameras = [camera.name for camera in cameras_of(claims.schema)]
-    if cameras:
-        yield f"what {some(cameras)} show: no picture was decoded, and sizes only hint at it (--pictures decodes)"
-    others = [name for name, feature in features if not feature.is_numeric and name not in cameras]
-    if others:
-        yield f"the text in {some(others)}"
+    texts = [name for name, feature in features if feature.dtype.startswith(("string", "language"))]
+    if texts:
+        yield f"the text in {some(texts)}"
     wide = [name for name, feature in features if feature.is_numeric and feature.size > MAX_SIGNAL_SIZE]
     if wide:
         yield f"the values of {some(wide)}: more than {MAX_SIGNAL_SIZE} numbers a frame"

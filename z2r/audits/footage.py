@@ -16,13 +16,16 @@ from z2r.arrays import Bools, Floats, Ints, reduce_parts
 from z2r.audits.claims import Claims
 from z2r.audits.frames import FileFrames
 from z2r.errors import DatasetError, Fault
+from z2r.format.about import cameras_of
 from z2r.format.dataset import in_order
 from z2r.format.images import Format, Images, Prints, read_images
 from z2r.format.mp4 import VideoIndex
+from z2r.format.schema import ACTION, STATE
 from z2r.format.videos import read_video
 
 _ALIKE = 2  # bytes: what is encoded alike differs by no more
 _ENDS = 2  # pictures
+_WAY = 65  # frames of an episode, of which it is kept how far the robot has come
 _MAX_LENGTH = 2**31  # frames of an episode: a sum of lengths that somebody claims must not overflow
 
 
@@ -198,6 +201,36 @@ def _are_alike(sizes: Ints, sort: Bools, start: Ints, stop: Ints) -> Bools:
         most = reduce_parts(np.maximum, np.where(sort, sizes, 0)[:, None], *spans)
         alike[some] = ((most < least) | (most - least <= _ALIKE))[:, 0]
     return alike
+
+
+# --- the robot
+
+
+def sum_way(frames: FileFrames) -> Floats | None:
+    """Say how far the robot has come, in each run, at `way_frames`: (n_runs, 65), from 0 to 1, of all its way.
+
+    Each column of the state counts alike, so that neither its unit nor its noise outweighs the others. None where there
+    is no camera, or no state.
+    """
+    moved = frames.read.frames.get(STATE, frames.read.frames.get(ACTION))
+    if moved is None or not cameras_of(frames.schema):
+        return None
+    starts = frames.run_starts
+    n = np.diff(np.append(starts, len(moved)))
+    steps = np.abs(np.diff(moved.astype(np.float64), axis=0, prepend=moved[:1]))  # (n_frames, size)
+    steps[starts] = 0
+    whole = np.add.reduceat(steps, starts)  # (n_runs, size)
+    moving = np.maximum(1, (whole > 0).sum(axis=1))
+    share = np.divide(1, whole, out=np.zeros_like(whole), where=whole > 0) / moving[:, None]
+    way = np.cumsum((steps * np.repeat(share, n, axis=0)).sum(axis=1))
+    at = way[starts[:, None] + way_frames(n)]  # (n_runs, 65)
+    come: Floats = at - at[:, :1]
+    return come
+
+
+def way_frames(n_frames: Ints) -> Ints:
+    """Return at which frames of an episode its way is known: int64[n, 65]."""
+    return (np.linspace(0, 1, _WAY) * (np.asarray(n_frames)[..., None] - 1)).round().astype(np.int64)
 
 
 # --- images

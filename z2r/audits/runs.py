@@ -44,6 +44,8 @@ class FileSums(NamedTuple):
         Which runs have a frame of which task: pairs of a run and a `task_index`.
     images : dict of str to ImageSums
         Of each feature whose pictures stand in it.
+    way : ndarray, (n_runs, 65), or None
+        How far the robot has come, from `sum_way`.
     """
 
     n_rows: int | None
@@ -58,6 +60,7 @@ class FileSums(NamedTuple):
     idle: Ints | None = None
     tasks: Ints | None = None
     images: dict[str, ImageSums] = {}  # noqa: RUF012
+    way: Floats | None = None
 
 
 class Runs(NamedTuple):

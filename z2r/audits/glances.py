@@ -1,0 +1,218 @@
+"""What do some pictures of each episode look like, once they are decoded? What is kept of them is a few numbers.
+
+About fifty pictures of each episode of each camera are looked at, spread over it, and made small.
+"""
+
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Executor
+from functools import partial
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from z2r.arrays import Bools, Floats, Ints, Progress
+from z2r.audits.footage import Footage, ImageSums, VideoSums, join_images
+from z2r.audits.frames import FileClaims
+from z2r.audits.runs import FileSums, Runs
+from z2r.errors import DatasetError, Fault
+from z2r.format.about import cameras_of
+from z2r.format.dataset import in_order
+from z2r.format.decoding import Small, decode_images, decode_video
+from z2r.format.videos import read_video
+
+_PICTURES = 48  # of an episode
+_ENOUGH = 24  # that can be decoded alone: where there are fewer, the others are decoded too
+_FEW = 8  # pictures: from fewer nothing is said
+_EPISODES = 8  # at a time
+_PRINTS = np.array([0.1, 0.4, 0.6, 0.9])  # of the way through an episode
+
+
+class Filmed(NamedTuple):
+    """All that is known of the pictures before any is decoded.
+
+    Attributes
+    ----------
+    footage : Footage
+        Of the videos.
+    runs : Runs
+        Where the frames of the episodes are.
+    images : dict of str to ImageSums
+        Of the cameras whose pictures stand in the data files, and can be read in all of them; for each run.
+    ways : ndarray, (n_runs, 65), or None
+        How far the robot has come in each run, from `sum_way`.
+    files : dict of int to FileClaims
+        The data files that can be read, by their numbers.
+    """
+
+    footage: Footage
+    runs: Runs
+    images: dict[str, ImageSums]
+    ways: Floats | None
+    files: dict[int, FileClaims]
+
+
+def join_filmed(footage: Footage, runs: Runs, parts: Sequence[tuple[FileClaims, FileSums]]) -> Filmed:
+    """Put what is kept of the data files that can be read after each other."""
+    ways = [said.way for _, said in parts if said.way is not None]
+    return Filmed(
+        footage=footage,
+        runs=runs,
+        images=join_images([said.images for _, said in parts]),
+        ways=np.concatenate(ways) if len(ways) == len(parts) else None,
+        files=dict(zip(runs.read, (file for file, _ in parts), strict=True)),
+    )
+
+
+class Glance(NamedTuple):
+    """What is kept of the pictures of one episode of one camera.
+
+    Attributes
+    ----------
+    frame : ndarray, float64[n]
+        Which frames they are of, counted from 0 in the episode.
+    level : float
+        How bright they are, from 0 to 255.
+    spread : float
+        How far they are from one colour: the largest standard deviation over a picture.
+    change, peak : ndarray, float64[n - 1]
+        How far each is from the one before, on average over the picture, and where it is farthest.
+    prints : ndarray, uint8[4, 24, 32]
+        Some of them, smaller still.
+    """
+
+    frame: Floats
+    level: float
+    spread: float
+    change: Floats
+    peak: Floats
+    prints: NDArray[np.uint8]
+
+
+class Reel(NamedTuple):
+    """Some episodes that one camera shows in one file.
+
+    Attributes
+    ----------
+    camera, path : str, Path
+        Which feature it is, and the file, relative to the dataset.
+    rows, lengths : ndarray of int
+        Which rows of the episode metadata they are, and how many frames they have.
+    begins : ndarray
+        When each begins in a video [s], or in which row of a data file.
+    is_video : bool
+        Which of the two it is.
+    """
+
+    camera: str
+    path: Path
+    rows: Ints
+    lengths: Ints
+    begins: Floats | Ints
+    is_video: bool
+
+
+class Glances(NamedTuple):
+    """What was seen: of each camera the episodes, by their rows in the metadata; and what cannot be decoded."""
+
+    cameras: dict[str, dict[int, Glance]]
+    faults: tuple[Fault, ...]
+
+
+def glance_at(filmed: Filmed, progress: Progress, executor: Executor | None) -> Glances:
+    """Decode some pictures of each episode, of a few episodes at a time."""
+    claims = filmed.footage.claims
+    reels = [part for reel in (*_reels_of_videos(filmed), *_reels_of_images(filmed)) for part in _parts(reel)]
+    cameras: dict[str, dict[int, Glance]] = {camera.name: {} for camera in cameras_of(claims.schema)}
+    n_episodes = sum(len(reel.rows) for reel in reels)
+    work, faults, done = partial(_look, claims.root, claims.schema.fps), list[Fault](), 0
+    for reel, said in zip(reels, in_order(work, reels, executor), strict=True):
+        if isinstance(said, Fault):
+            faults.append(said)
+        else:
+            cameras[reel.camera] |= said
+        done += len(reel.rows)
+        progress(done, n_episodes)
+    return Glances(cameras, tuple(dict.fromkeys(faults)))
+
+
+def _reels_of_videos(filmed: Filmed) -> Iterator[Reel]:
+    for video, said in zip(filmed.footage.videos, filmed.footage.sums, strict=True):
+        if isinstance(said, VideoSums):
+            yield Reel(video.camera, video.path, video.rows, video.lengths, video.start, is_video=True)
+
+
+def _reels_of_images(filmed: Filmed) -> Iterator[Reel]:
+    """Only of episodes that are in one data file as a whole."""
+    runs, table = filmed.runs, filmed.runs.claims.stored.episodes.value.table
+    order = np.argsort(table.number, kind="stable")
+    row = order[np.minimum(np.searchsorted(table.number[order], runs.number), len(order) - 1)]
+    whole = (table.number[row] == runs.number) & (table.length[row] == runs.stop - runs.start)
+    for file_number, file in filmed.files.items():
+        own = whole & (runs.file_number == file_number)
+        for camera in filmed.images:
+            yield Reel(camera, file.path, row[own], table.length[row[own]], runs.start[own] - file.base, is_video=False)
+
+
+def _parts(reel: Reel) -> Iterator[Reel]:
+    """Cut it into parts of a few episodes."""
+    for first in range(0, len(reel.rows), _EPISODES):
+        some = slice(first, first + _EPISODES)
+        yield reel._replace(rows=reel.rows[some], lengths=reel.lengths[some], begins=reel.begins[some])
+
+
+def _look(root: Path, fps: float, reel: Reel) -> dict[int, Glance] | Fault:
+    try:
+        return dict(_look_at_video(root, fps, reel) if reel.is_video else _look_at_images(root, reel))
+    except DatasetError as error:
+        return error.fault.relative_to(root)
+
+
+def _look_at_video(root: Path, fps: float, reel: Reel) -> Iterator[tuple[int, Glance]]:
+    index = read_video(root, reel.path)
+    starts = np.searchsorted(index.times, reel.begins - 0.5 / fps)
+    stops = np.searchsorted(index.times, reel.begins + (reel.lengths - 0.5) / fps)
+    wanted = [_some(index.is_key, start, stop) for start, stop in zip(starts.tolist(), stops.tolist(), strict=True)]
+    numbers = np.unique(np.concatenate(wanted))
+    pictures = dict(decode_video(root, reel.path, index, numbers)) if len(numbers) else {}
+    for row, begins, some in zip(reel.rows.tolist(), reel.begins, wanted, strict=True):
+        seen = some[np.isin(some, list(pictures))]
+        if len(seen) >= _FEW:
+            yield row, _glance((index.times[seen] - begins) * fps, [pictures[number] for number in seen.tolist()])
+
+
+def _look_at_images(root: Path, reel: Reel) -> Iterator[tuple[int, Glance]]:
+    wanted = [_evenly(np.arange(n)) + first for n, first in zip(reel.lengths, reel.begins, strict=True)]
+    pictures = dict(decode_images(root, reel.path, reel.camera, np.concatenate(wanted)))
+    for row, first, some in zip(reel.rows.tolist(), reel.begins, wanted, strict=True):
+        seen = some[np.isin(some, list(pictures))]
+        if len(seen) >= _FEW:
+            yield row, _glance((seen - first).astype(np.float64), [pictures[number] for number in seen.tolist()])
+
+
+def _some(is_key: Bools, start: int, stop: int) -> Ints:
+    """Choose some pictures of a span: of those that can be decoded alone, if they are enough."""
+    keys = start + np.flatnonzero(is_key[start:stop])
+    enough = min(_ENOUGH, (stop - start) // 2)
+    return _evenly(keys if len(keys) >= enough else np.arange(start, stop))
+
+
+def _evenly(numbers: Ints) -> Ints:
+    n = min(_PICTURES, len(numbers))
+    return numbers[np.linspace(0, len(numbers) - 1, n).round().astype(np.int64)] if n else numbers
+
+
+def _glance(frame: Floats, pictures: Sequence[Small]) -> Glance:
+    seen = np.stack(pictures).astype(np.float32)  # (n, 48, 64)
+    apart = np.abs(np.diff(seen, axis=0))
+    n, height, width = seen.shape
+    prints = seen[(_PRINTS * (n - 1)).round().astype(np.int64)].reshape(-1, height // 2, 2, width // 2, 2)
+    return Glance(
+        frame=frame,
+        level=float(seen.mean()),
+        spread=float(seen.std(axis=(1, 2)).max()),
+        change=apart.mean(axis=(1, 2)).astype(np.float64),
+        peak=apart.max(axis=(1, 2)).astype(np.float64),
+        prints=prints.mean(axis=(2, 4)).round().astype(np.uint8),
+    )

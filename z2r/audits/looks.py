@@ -1,0 +1,295 @@
+"""What do the pictures look like in each episode? Seen where they are decoded; else guessed from what they take."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import combinations
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from z2r.arrays import Bools, Floats, Ints
+from z2r.audits.claims import Claims
+from z2r.audits.footage import Footage, ImageSums, VideoSums, way_frames
+from z2r.audits.glances import Filmed, Glance, Glances
+from z2r.audits.runs import Runs
+from z2r.audits.together import Steps, fit
+from z2r.errors import Fault, some
+from z2r.format.about import cameras_of
+from z2r.format.episodes import DATA_DIR
+from z2r.format.schema import ACTION, STATE
+
+_MIN_EPISODES = 5  # from fewer nothing can be said about what is usual
+_LONG = 20  # frames: a picture may well stand still for less
+_SELDOM = 0.1  # of the episodes
+_DECODE = "To be sure, look at the pictures: z2r audit --pictures"
+
+# Measured on h264, hevc and av1 as LeRobot encodes them, 96 x 96 to 480 x 640: a picture of one colour takes 36 to 162
+# bytes, the plainest drawing 255 to 2,135; a picture that is the same as the one before takes 18 to 66.
+_FLAT, _PIXELS_TO_A_FLAT_BYTE = 64, 512
+_SAME, _PIXELS_TO_A_SAME_BYTE = 48, 4096
+_LITTLE = 0.25  # of what a change usually takes
+
+# Of decoded pictures, from 0 to 255.
+_ONE_COLOUR = 3  # of standard deviation, at most
+_NOISE, _TOUCH = 4, 16  # what a cell may change by when the same picture is encoded again: mostly, and at times
+_SAME_VIEW, _SAME_CELL = 1.5, 16  # what cells differ by, and one of them, when the same picture is encoded twice
+_DARK = 24
+
+_MOSTLY = 0.5  # of the robot's way
+
+type _Way = tuple[Ints, Floats]
+"""At which frames of an episode it is known how far the robot has come, and how far."""
+
+
+class Suspects(NamedTuple):
+    """In which episodes something is wrong, by their rows in the metadata, and what was found in one of them."""
+
+    wrong: Bools
+    found: Callable[[int], str]
+
+
+class Look(NamedTuple):
+    """What the pictures of one camera look like.
+
+    Attributes
+    ----------
+    camera, place : str, Path
+        Which feature it is, and where they are stored.
+    number : ndarray, int64[n_episodes]
+        What the dataset calls the episodes.
+    flat, still, astray : Suspects
+        Where they are of one colour; stay the same although the robot moves; move when it does not.
+    mend : str
+        How to be surer; empty where it is sure.
+    fits : float
+        How well pictures usually move with the robot: a correlation; nan where too little moves to say it.
+    """
+
+    camera: str
+    place: Path
+    number: Ints
+    flat: Suspects
+    still: Suspects
+    astray: Suspects
+    mend: str
+    fits: float = np.nan
+
+
+class Twin(NamedTuple):
+    """Two cameras, and in which episodes they show the same."""
+
+    look: Look
+    other: Look
+    same: Bools
+
+
+class Looks(NamedTuple):
+    """What the pictures of all cameras look like; what cannot be decoded, and what nobody looked at."""
+
+    cameras: Sequence[Look]
+    twins: Sequence[Twin]
+    faults: Sequence[Fault]
+    not_checked: Sequence[str]
+
+
+def looks_of_sizes(filmed: Filmed) -> Looks:
+    """Tell from how many bytes each picture takes what it looks like: where nothing is decoded, most of it is a guess.
+
+    Of images that stand in the data files, it is known which are the same.
+    """
+    footage, runs, images = filmed.footage, filmed.runs, filmed.images
+    moves = _robot_moves(runs)
+    of_videos = [_look_of_sizes(footage, camera, moves) for camera in footage.claims.videos.value]
+    of_images = {camera: _look_of_images(camera, runs, sums, moves) for camera, sums in images.items()}
+    twins = [
+        Twin(of_images[camera], of_images[other], _episodes(runs, images[camera].prints == images[other].prints))
+        for other, camera in combinations(images, 2)
+    ]
+    names = [camera.name for camera in cameras_of(runs.claims.schema)]
+    unseen = f"what {some(names)} show: no picture was decoded, and sizes only hint at it (--pictures decodes)"
+    return Looks([*of_videos, *of_images.values()], twins, (), [unseen])
+
+
+def looks_of_glances(filmed: Filmed, glances: Glances) -> Looks:
+    """Tell from some decoded pictures what all of them look like."""
+    runs = filmed.runs
+    way_of = {} if filmed.ways is None else _way_of_episodes(runs, filmed.ways)
+    looks = {camera: _look_of_glances(camera, seen, runs, way_of) for camera, seen in glances.cameras.items()}
+    twins = [
+        Twin(looks[camera], looks[other], _same_views(glances.cameras[camera], glances.cameras[other], runs))
+        for other, camera in combinations(looks, 2)
+    ]
+    n_episodes = len(runs.claims.stored.episodes.value.table.number)
+    return Looks(list(looks.values()), twins, glances.faults, [*_unseen(glances, n_episodes), *_unfit(looks)])
+
+
+def _place(claims: Claims, camera: str) -> Path:
+    spans = claims.videos.value.get(camera)
+    return spans.paths[0].parent if spans else DATA_DIR
+
+
+def _robot_moves(runs: Runs) -> Bools:
+    """Tell of each episode of the metadata whether the robot moves in it, half as far as is usual or more."""
+    number, of_signal = runs.claims.stored.episodes.value.table.number, runs.stats.get(STATE, runs.stats.get(ACTION))
+    if of_signal is None:
+        return np.zeros(len(number), dtype=bool)
+    span = of_signal.high - of_signal.low  # (n_runs, size)
+    usual = np.median(span, axis=0)
+    share = np.minimum(span[:, usual > 0] / usual[usual > 0], 1)
+    return np.isin(number, runs.number[share.sum(axis=1) >= 0.5 * np.maximum(1, (usual > 0).sum())])
+
+
+# --- decoded
+
+
+def _way_of_episodes(runs: Runs, ways: Floats) -> dict[int, _Way]:
+    """Return how far the robot has come in each episode, by its row; in those that are in one file as a whole."""
+    table = runs.claims.stored.episodes.value.table
+    length = dict(zip(table.number.tolist(), enumerate(table.length.tolist()), strict=True))
+    known = {}
+    for number, n_frames, way in zip(runs.number.tolist(), (runs.stop - runs.start).tolist(), ways, strict=True):
+        row, claimed = length.get(number, (-1, -1))
+        if n_frames == claimed:
+            known[row] = way_frames(np.array([n_frames]))[0], way
+    return known
+
+
+def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, way_of: Mapping[int, _Way]) -> Look:
+    number, fps, moves = runs.claims.stored.episodes.value.table.number, runs.claims.schema.fps, _robot_moves(runs)
+    flat, still = np.zeros((2, len(moves)), dtype=bool)
+    steps, share = {}, {}
+    for row, glance in seen.items():
+        flat[row] = glance.spread <= _ONE_COLOUR
+        if moves[row] and row in way_of:
+            way = np.diff(np.interp(glance.frame, *way_of[row]))
+            share[row] = _longest(way, _is_still(glance.peak)) / way.sum()
+            still[row] = share[row] >= _MOSTLY
+            if not still[row]:
+                seconds = float(np.median(np.diff(glance.frame))) / fps
+                steps[int(number[row])] = Steps(glance.change, way, seconds)
+    fits, astray = fit(steps)
+    return Look(
+        camera=camera,
+        place=_place(runs.claims, camera),
+        number=number,
+        flat=Suspects(flat, lambda row: f"one colour, {_shade(seen[row].level)}"),
+        still=Suspects(still, lambda row: f"the same picture for {share[row]:.0%} of the robot's way"),
+        astray=Suspects(np.isin(number, list(astray)), lambda row: astray[int(number[row])]),
+        mend="",
+        fits=fits,
+    )
+
+
+def _is_still(peak: Floats) -> Bools:
+    """Tell of each step whether the picture stays the same; an encoder may touch it up in between."""
+    still = peak <= _NOISE
+    still[1:-1] |= still[:-2] & still[2:] & (peak[1:-1] <= _TOUCH)
+    return still
+
+
+def _longest(way: Floats, still: Bools) -> float:
+    """Return how far the robot comes in the longest stretch in which the picture stays the same."""
+    stretch = np.cumsum(np.diff(still, prepend=still[:1]))
+    return float((np.bincount(stretch, way * still)).max())
+
+
+def _shade(level: float) -> str:
+    return "black" if level <= _DARK else f"of a brightness of {level:.0f} of 255"
+
+
+def _unseen(glances: Glances, n_episodes: int) -> Iterator[str]:
+    for camera, seen in glances.cameras.items():
+        if len(seen) < n_episodes:
+            yield f"what {camera} shows in {n_episodes - len(seen):,} of {n_episodes:,} episodes: too little is decoded"
+
+
+def _unfit(looks: Mapping[str, Look]) -> Iterator[str]:
+    names = [camera for camera, look in looks.items() if np.isnan(look.fits)]
+    if names:
+        yield f"whether the pictures of {some(names)} go with the motion of the robot: too little of it is seen in them"
+
+
+def _same_views(some: Mapping[int, Glance], others: Mapping[int, Glance], runs: Runs) -> Bools:
+    """Tell in which episodes two cameras show the same."""
+    same = np.zeros(len(runs.claims.stored.episodes.value.table.number), dtype=bool)
+    for row in some.keys() & others.keys():
+        apart = np.abs(some[row].prints.astype(np.float32) - others[row].prints)
+        same[row] = apart.mean() <= _SAME_VIEW and apart.max() <= _SAME_CELL
+    return same
+
+
+# --- guessed
+
+
+def _look_of_sizes(footage: Footage, camera: str, moves: Bools) -> Look:
+    table = footage.claims.stored.episodes.value.table
+    key, other, pixels = np.full((3, len(table.number)), np.nan)
+    alike = np.zeros(len(table.number), dtype=bool)
+    for video, said in zip(footage.videos, footage.sums, strict=True):
+        if video.camera == camera and isinstance(said, VideoSums):
+            rows = video.rows
+            key[rows], other[rows], alike[rows] = said.pictures.key, said.pictures.other, said.pictures.alike
+            pixels[rows] = said.height * said.width
+    long, usual = table.length >= _LONG, _median(other)
+    return Look(
+        camera=camera,
+        place=_place(footage.claims, camera),
+        number=table.number,
+        flat=Suspects(
+            long & (key <= _FLAT + pixels / _PIXELS_TO_A_FLAT_BYTE),
+            lambda row: f"{key[row]:.0f} bytes a picture, no more than one colour takes",
+        ),
+        still=Suspects(
+            moves & _seem_still(long, other, alike, _SAME + pixels / _PIXELS_TO_A_SAME_BYTE),
+            lambda row: f"{other[row]:.0f} bytes for a change of the picture, where {usual:.0f} are usual",
+        ),
+        astray=_nobody(moves),
+        mend=_DECODE,
+    )
+
+
+def _look_of_images(camera: str, runs: Runs, sums: ImageSums, moves: Bools) -> Look:
+    same = sums.n_changes == 0
+    return Look(
+        camera=camera,
+        place=DATA_DIR,
+        number=runs.claims.stored.episodes.value.table.number,
+        flat=Suspects(
+            _episodes(runs, same & sums.tiny),
+            lambda _: "the same picture in all frames, no larger than one colour takes",
+        ),
+        still=Suspects(_episodes(runs, same) & moves, lambda _: "the same picture in all frames"),
+        astray=_nobody(moves),
+        mend="",
+    )
+
+
+def _nobody(rows: Bools) -> Suspects:
+    return Suspects(np.zeros_like(rows), str)
+
+
+def _episodes(runs: Runs, wrong: Bools) -> Bools:
+    """Tell of each episode of the metadata whether it is one of these runs, and a long one."""
+    found: Bools = np.isin(runs.claims.stored.episodes.value.table.number, _numbers(runs, wrong))
+    return found
+
+
+def _numbers(runs: Runs, wrong: Bools) -> Ints:
+    return runs.number[wrong & (runs.stop - runs.start >= _LONG)]
+
+
+def _seem_still(long: Bools, change: Floats, alike: Bools, little: Floats) -> Bools:
+    """Tell in which episodes a change takes next to nothing, or always the same: in a few of them, or in nearly all."""
+    less = change <= np.minimum(little, _LITTLE * _median(change))
+    seldom, always = long & (less | alike), long & alike & ~(change > little)
+    if long.sum() >= _MIN_EPISODES and _is_seldom(seldom, long.sum()):
+        return seldom
+    return always if _is_seldom(long & ~always, long.sum()) else np.zeros_like(long)
+
+
+def _is_seldom(wrong: Bools, n: int) -> bool:
+    return bool(wrong.sum() <= max(1, _SELDOM * n))
+
+
+def _median(values: Floats) -> float:
+    return float(np.median(values[~np.isnan(values)])) if not np.isnan(values).all() else np.nan

@@ -1,0 +1,141 @@
+"""What do pictures look like? Some are decoded, and made so small that those of many episodes fit into memory.
+
+Needs PyAV, the extra ``video``.
+"""
+
+import importlib.util
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from z2r.arrays import Ints
+from z2r.errors import DatasetError, Fault, MissingExtraError
+from z2r.format.images import format_of
+from z2r.format.mp4 import VideoIndex
+from z2r.format.parquet import blobs, open_parquet
+from z2r.format.store import inside, open_mapped
+
+if TYPE_CHECKING:
+    import av
+
+type Small = NDArray[np.uint8]
+"""A picture in grey, (48, 64), whatever its shape was: each cell is the mean of what it covers, from 0 to 255."""
+
+HEIGHT, WIDTH = 48, 64
+_MAX_PIXELS = 2**26  # of a picture; a decoder refuses what is larger
+_AHEAD = 32  # pictures: at most so many are decoded before one that is shown earlier
+_MOMENT = 1e-6  # s
+_DECODERS = {"jpeg": "mjpeg"}  # of the formats whose decoder has another name
+
+
+def check_can_decode() -> None:
+    """Check that PyAV is there.
+
+    Raises
+    ------
+    MissingExtraError
+        If it is not.
+    """
+    if importlib.util.find_spec("av") is None:
+        raise MissingExtraError("decoding pictures needs PyAV. In a clone of the course: pip install '.[video]'")
+
+
+def decode_video(root: Path, path: Path, index: VideoIndex, wanted: Ints) -> Iterator[tuple[int, Small]]:
+    """Decode some pictures of a video, and only those where all of them can be decoded alone.
+
+    Parameters
+    ----------
+    root, path : Path
+        The dataset, and the video relative to it.
+    index : VideoIndex
+        What the video says of itself.
+    wanted : ndarray, int64[n]
+        The numbers of the pictures in the order in which they are shown, from 0; ascending, at least one.
+
+    Yields
+    ------
+    number, picture : int, ndarray of uint8
+        In whatever order.
+
+    Raises
+    ------
+    DatasetError
+        If the bytes cannot be decoded.
+    """
+    from av import FFmpegError
+    from av import open as open_container
+
+    whole = inside(root, path)
+    try:
+        # Left to itself, FFmpeg takes bytes for whatever they look like, a list of other files and addresses as well.
+        with open_mapped(whole) as bytes_of_it, open_container(bytes_of_it, format="mp4") as file:
+            stream = file.streams.video[0]
+            decoder = stream.codec_context
+            decoder.options = {"max_pixels": str(_MAX_PIXELS)}
+            unit = float(stream.time_base or 1)  # s
+            keys = np.flatnonzero(index.is_key[: wanted[0] + 1])
+            file.seek(int(index.times[keys[-1] if len(keys) else 0] / unit), stream=stream)
+            for packet in (*_packets(file.demux(stream), index, unit, wanted), None):
+                for frame in decoder.decode(packet):
+                    number = _number(index, unit, frame.pts)
+                    if number in wanted:
+                        yield number, _small(frame)
+    except (FFmpegError, OSError) as error:
+        raise _undecodable(whole, "", error) from None
+
+
+def decode_images(root: Path, path: Path, feature: str, wanted: Ints) -> Iterator[tuple[int, Small]]:
+    """Decode some of the images that stand in a data file: the same for rows of it, and in their order.
+
+    Raises
+    ------
+    DatasetError
+        If the bytes cannot be decoded.
+    """
+    import av
+
+    whole, first = inside(root, path), 0
+    for data, offsets in blobs(open_parquet(whole), feature, "bytes", whole):
+        for row in wanted[(wanted >= first) & (wanted < first + len(offsets) - 1)].tolist():
+            picture = data[offsets[row - first] : offsets[row - first + 1]].tobytes()
+            kind = format_of(picture)
+            if kind is None:
+                continue
+            decoder = cast(av.VideoCodecContext, av.CodecContext.create(_DECODERS.get(kind.kind, kind.kind), "r"))
+            decoder.options = {"max_pixels": str(_MAX_PIXELS)}
+            try:
+                for frame in (*decoder.decode(av.Packet(picture)), *decoder.decode(None)):
+                    yield row, _small(frame)
+            except av.error.FFmpegError as error:
+                raise _undecodable(whole, f"{feature} in row {row}", error) from None
+        first += len(offsets) - 1
+
+
+def _packets(packets: "Iterator[av.Packet]", index: VideoIndex, unit: float, wanted: Ints) -> "Iterator[av.Packet]":
+    """Yield the packets that must be decoded, from the first to the last picture that is wanted."""
+    alone = bool(index.is_key[wanted].all())
+    for packet in packets:
+        if packet.pts is None:
+            return
+        number = _number(index, unit, packet.pts)
+        if not alone or number in wanted:
+            yield packet
+        if number >= wanted[-1] + (0 if alone else _AHEAD):
+            return
+
+
+def _number(index: VideoIndex, unit: float, pts: int | None) -> int:
+    """Return which picture is shown at a time, given in units of so many seconds."""
+    return -1 if pts is None else int(np.searchsorted(index.times, pts * unit - _MOMENT))
+
+
+def _small(frame: "av.VideoFrame") -> Small:
+    return frame.reformat(WIDTH, HEIGHT, "gray", interpolation="AREA").to_ndarray().astype(np.uint8, copy=False)
+
+
+def _undecodable(path: Path, field: str, error: Exception) -> DatasetError:
+    found = f"pictures that cannot be decoded ({type(error).__name__})"
+    return DatasetError(Fault(path, field, found, "whole pictures", "Copy, download or encode it again"))
