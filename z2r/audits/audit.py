@@ -228,7 +228,7 @@ def _fold_file(
             numbers=None if number is None else number[starts],
             stats={name: run_stats(signal, starts) for name, signal in signals.items()},
             steps={name: run_steps(signal, starts, schema.fps) for name, signal in signals.items() if moves(name)},
-            following=fold_following(pairs_of(schema), signals, starts),
+            following=fold_following(pairs_of(schema, reading), signals, starts),
             labels=fold_labels(frames, reading),
             scene=_fold_scene(scene, frames, reading, findings),
             idle=standstill(signals, starts),
@@ -267,7 +267,7 @@ def _ask_of_all(
         yield from ask(asked_of(Labels, PARTS), join_labels(claims.schema, claims.reading, runs.number, said))
         following = [each for number in runs.read if (each := sums[number].following)]
         if len(following) == len(runs.read):
-            pairs = pairs_of(claims.schema)
+            pairs = pairs_of(claims.schema, claims.reading)
             ranges = runs.spans(ACTION)[[pair.dim for pair in pairs]]
             joints_of_all = Joints(pairs, runs.number, join_following(following), ranges)
             yield from ask(asked_of(Joints, PARTS), joints_of_all)

@@ -1,7 +1,7 @@
 """How does every joint follow its command? Summed up for each run of frames, so that no file stays in memory.
 
-Nothing is declared: a dimension of the action is held against the observed column of its own name, as a place to be in
-or as a change to make, some frames later or earlier. Each data file is folded into a few numbers for every run of
+A dimension of the action is held against the column that it drives, by a reading or by its name, as a place to be in or
+as a change to make, some frames later or earlier. Each data file is folded into a few numbers for every run of
 frames and every such pair (`Following`); `z2r.audits.joints` asks what they say together.
 """
 
@@ -13,7 +13,9 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from z2r.arrays import Columns, Floats, Ints
 from z2r.audits.steps import is_a_turn
-from z2r.format.schema import ACTION, STATE, Schema
+from z2r.format.schema import ACTION, STATE, Schema, column_label
+from z2r.reading.joints import joints_of
+from z2r.reading.reading import Reading
 
 MIN_FRAMES = 40  # of a run: from fewer nothing is said
 FOLLOWS = 0.7  # share of a command's variance that its column must explain
@@ -32,11 +34,12 @@ _LAGS = ("lag", "least", "most")
 
 
 class Pair(NamedTuple):
-    """A dimension of the action, and the observed column that has its name."""
+    """A dimension of the action, and the observed column that it drives: where they stand, and what to call them."""
 
     dim: int
     feature: str
     column: int
+    command: str
     name: str
 
 
@@ -92,27 +95,34 @@ class Following(NamedTuple):
     foretold: Floats
 
 
-def pairs_of(schema: Schema) -> tuple[Pair, ...]:
-    """Return each dimension of the action of whose name there is an observed column, in the state before elsewhere.
+def pairs_of(schema: Schema, reading: Reading | None) -> tuple[Pair, ...]:
+    """Return each dimension of the action with the column of the state that it drives, as far as that is known.
+
+    A reading says so, or else their names are the same, or else neither has names and both have as many dimensions.
 
     Examples
     --------
     >>> import z2r
-    >>> pairs_of(z2r.load("standin").schema)  # in PushT, a velocity drives a position
-    ()
+    >>> [(pair.command, pair.name) for pair in pairs_of(z2r.load("standin").schema, z2r.PUSHT)]
+    [('action[pusher_vx]', 'observation.state[pusher_x]'), ('action[pusher_vy]', 'observation.state[pusher_y]')]
     """
-    signals = schema.signals()
-    if ACTION not in signals:
-        return ()
-    features = [name for name in signals if name.startswith("observation")]
-    features.sort(key=lambda name: name != STATE)
-    observed = {name: signals[name].labels for name in features}
-    pairs = []
-    for dim, name in enumerate(signals[ACTION].labels):
-        feature = next((feature for feature in features if observed[feature].count(name) == 1), None)
-        if feature and signals[ACTION].labels.count(name) == 1:
-            pairs.append(Pair(dim, feature, observed[feature].index(name), name))
-    return tuple(pairs)
+    places = [(joint.action[1], *joint.state) for joint in joints_of(schema, reading)]
+    features = schema.signals()
+    if not places and ACTION in features and STATE in features:
+        action, state = features[ACTION], features[STATE]
+        if action.size == state.size and not action.dim_names and not state.dim_names:
+            places = [(dim, STATE, dim) for dim in range(action.size)]
+    return tuple(
+        Pair(
+            dim,
+            feature,
+            column,
+            column_label(ACTION, features[ACTION], dim),
+            column_label(feature, features[feature], column),
+        )
+        for dim, feature, column in places
+        if feature in features
+    )
 
 
 def fold_following(pairs: Sequence[Pair], columns: Columns, starts: Ints) -> Following | None:

@@ -88,16 +88,6 @@ class Joints:
         names = ("kind", "lag", "least", "most", "explained", "factor")
         return {name: _median(getattr(self.runs, name), self.follows) for name in names}
 
-    def dim(self, pair: int) -> str:
-        """Name a dimension of the action."""
-        name = self.pairs[pair].name
-        return f"{ACTION}{name}" if name.startswith("[") else f"{ACTION}[{name}]"
-
-    def column(self, pair: int) -> str:
-        """Name the column that has its name."""
-        name = self.pairs[pair].name
-        return f"{self.pairs[pair].feature}{name}" if name.startswith("[") else f"{self.pairs[pair].feature}[{name}]"
-
 
 LATE = Check("late", "what a command brings about comes after it, and as many frames later in every episode", "warning")
 
@@ -110,7 +100,7 @@ def commands_come_first(joints: Joints) -> Iterator[Answer]:
     early = joints.followed & (usual["most"] <= first) & (usual["explained"] > _WELL)
     if early.sum() > 0.5 * joints.followed.sum():
         pair = int(np.where(early, usual["explained"], 0).argmax())
-        found = f"what {joints.column(pair)} does {_frames(usual['lag'][pair])}"
+        found = f"what {joints.pairs[pair].name} does {_frames(usual['lag'][pair])}"
         mend = "A joint cannot move before it is told to: shift the actions to where they were sent"
         yield Fault(DATA_DIR, ACTION, f"{found}{_of_joints(early)}", "what it does after the command", mend)
 
@@ -125,7 +115,7 @@ def no_episode_is_late(joints: Joints) -> Iterator[Answer]:
 
     def said(run: int, pair: int) -> tuple[str, str, str]:
         by = int(usual["lag"][pair] - runs.lag[run, pair])
-        found = f"what {joints.column(pair)} does {_frames(runs.lag[run, pair])}"
+        found = f"what {joints.pairs[pair].name} does {_frames(runs.lag[run, pair])}"
         mend = f"Were these actions recorded {count(abs(by), 'frame')} {'late' if by > 0 else 'early'}?"
         return found, f"what it does {_frames(usual['lag'][pair])}, as in the other episodes", mend
 
@@ -143,9 +133,11 @@ def no_joint_is_late(joints: Joints) -> Iterator[Answer]:
     far = np.where(usual["lag"] > lag, usual["least"] - lag, lag - usual["most"])
     wrong = known & (far >= max(_APART, abs(lag)))
     for pair in np.flatnonzero(wrong).tolist():
-        found = f"what {joints.column(pair)} does {_frames(usual['lag'][pair])}"
+        found = f"what {joints.pairs[pair].name} does {_frames(usual['lag'][pair])}"
         expected = f"about {lag:.0f}, as of the other {known.sum() - 1} joints"
-        yield Fault(DATA_DIR, joints.dim(pair), found, expected, "Is it slower than they, or is its clock another?")
+        yield Fault(
+            DATA_DIR, joints.pairs[pair].command, found, expected, "Is it slower than they, or is its clock another?"
+        )
 
 
 UNIT = Check("unit", "a joint is measured in the unit, with the sign and from the zero of its command", "warning")
@@ -160,7 +152,7 @@ def joints_have_the_unit_of_their_command(joints: Joints) -> Iterator[Answer]:
     mend = "Which of the two is right? Convert the other one in all episodes"
     if known.sum() > 1 and not plain.any():  # all alike is a convention
         pair = int(np.where(known, usual["explained"], -1).argmax())
-        found = f"{_factor(usual['factor'][pair])} for 1 of {joints.column(pair)}{_of_joints(known)}"
+        found = f"{_factor(usual['factor'][pair])} for 1 of {joints.pairs[pair].name}{_of_joints(known)}"
         yield (
             "note",
             Fault(DATA_DIR, ACTION, found, "the same unit of both", "A policy need not care, whoever reads it must"),
@@ -171,7 +163,13 @@ def joints_have_the_unit_of_their_command(joints: Joints) -> Iterator[Answer]:
     for pair in np.flatnonzero(known & (geared | ~plain)).tolist():
         factor, others = usual["factor"][pair], int(plain.sum() - plain[pair])
         expected = f"about 1, as of {others} other joints" if others else "1: the same unit of both"
-        fault = Fault(DATA_DIR, joints.dim(pair), f"{_factor(factor)} for 1 of {joints.column(pair)}", expected, mend)
+        fault = Fault(
+            DATA_DIR,
+            joints.pairs[pair].command,
+            f"{_factor(factor)} for 1 of {joints.pairs[pair].name}",
+            expected,
+            mend,
+        )
         is_fault = not geared[pair] and others and unit_of(factor) and (factor > 0 or factor > -_SCALE)
         yield fault if is_fault else ("note", fault)
 
@@ -190,7 +188,7 @@ def joints_keep_their_unit(joints: Joints) -> Iterator[Answer]:
     wrong |= known & well & (runs.kind == 0) & (apart > np.log(_SCALE_WELL)) & (apart > _STRAY * stray)
 
     def said(run: int, pair: int) -> tuple[str, str, str]:
-        found = f"{_factor(runs.factor[run, pair])} for 1 of {joints.column(pair)}"
+        found = f"{_factor(runs.factor[run, pair])} for 1 of {joints.pairs[pair].name}"
         mend = "Was a calibration, a gear or a unit changed between recordings? Convert one kind to the other"
         return found, f"{_factor(usual['factor'][pair])}, as in the other episodes", mend
 
@@ -224,7 +222,7 @@ def joints_keep_their_zero(joints: Joints) -> Iterator[Answer]:
     wrong &= (known.sum(axis=0) >= 3) & (wrong.sum(axis=0) < 0.6 * known.sum(axis=0))
 
     def said(run: int, pair: int) -> tuple[str, str, str]:
-        found = f"{beside[run, pair]:.3g} beside {joints.column(pair)}, on average"
+        found = f"{beside[run, pair]:.3g} beside {joints.pairs[pair].name}, on average"
         mend = "Was the robot or its leader calibrated anew in between? Then one pose has two numbers"
         return found, f"about {middle[pair]:.3g}, as in the other episodes", mend
 
@@ -246,10 +244,10 @@ def no_joint_is_beside_its_command(joints: Joints) -> Iterator[Answer]:
         & (span > _LITTLE * np.nanmax(span, initial=0))
     )
     for pair in np.flatnonzero(well & (share > _ALWAYS_BESIDE)).tolist():
-        found = f"{beside[pair]:.3g} beside {joints.column(pair)} in nearly all episodes"
+        found = f"{beside[pair]:.3g} beside {joints.pairs[pair].name} in nearly all episodes"
         expected = f"nearly the same number: it goes through {span[pair]:.3g}"
         mend = "Harmless as long as it stays so; are leader and follower calibrated alike?"
-        yield "note", Fault(DATA_DIR, joints.dim(pair), found, expected, mend)
+        yield "note", Fault(DATA_DIR, joints.pairs[pair].command, found, expected, mend)
 
 
 @Check("joint-order", "a command drives the joint of its own name", "warning").of(Joints)
@@ -265,8 +263,8 @@ def commands_drive_their_own_joint(joints: Joints) -> Iterator[Answer]:
 
     def said(run: int, pair: int) -> tuple[str, str, str]:
         other = int(runs.other[run, pair])
-        found = f"what {joints.column(other)} does ({runs.other_explained[run, pair]:.1%} explained)"
-        expected = f"what {joints.column(pair)} does ({runs.explained[run, pair]:.1%})"
+        found = f"what {joints.pairs[other].name} does ({runs.other_explained[run, pair]:.1%} explained)"
+        expected = f"what {joints.pairs[pair].name} does ({runs.explained[run, pair]:.1%})"
         return found, expected, "Are two joints, or two arms, exchanged in the state or in the action?"
 
     yield from _told(joints, wrong, said)
@@ -285,7 +283,9 @@ def both_turn_alike(joints: Joints) -> Iterator[Answer]:
             found = f"a whole turn in one step, {what} alone"
             mend = "Unwind the angle, or wrap both alike: else a policy sees two places that are one"
             numbers = joints.number[wrong[:, pair]]
-            yield _in_episodes(joints.dim(pair), numbers, found, f"the same of {joints.column(pair)}", mend)
+            yield _in_episodes(
+                joints.pairs[pair].command, numbers, found, f"the same of {joints.pairs[pair].name}", mend
+            )
 
 
 FOLLOW = Check("follow", "a joint follows its command in every episode, if it does in most", "warning")
@@ -300,7 +300,7 @@ def joints_follow_in_every_episode(joints: Joints) -> Iterator[Answer]:
     wrong &= ~((runs.other_explained > _WELL) & (runs.other != np.arange(len(joints.pairs))))
 
     def said(run: int, pair: int) -> tuple[str, str, str]:
-        found = f"{runs.explained[run, pair]:.0%} of it explained by {joints.column(pair)}"
+        found = f"{runs.explained[run, pair]:.0%} of it explained by {joints.pairs[pair].name}"
         mend = "Are these the actions of another episode, or is a sensor or a motor broken?"
         return found, f"{usual['explained'][pair]:.1%}, as in the other episodes", mend
 
@@ -319,7 +319,7 @@ def joints_follow_all_the_time(joints: Joints) -> Iterator[Answer]:
     wrong &= (known.sum(axis=0) >= 3) & (wrong.sum(axis=0) < 0.6 * known.sum(axis=0))
 
     def said(run: int, pair: int) -> tuple[str, str, str]:
-        where = f"{joints.column(pair)} from frame {runs.beside_at[run, pair]:.0f} on"
+        where = f"{joints.pairs[pair].name} from frame {runs.beside_at[run, pair]:.0f} on"
         found = f"{runs.beside[run, pair]:.3g} beside {where}, for about a second"
         mend = "Did something hold it, did it slip, or does its sensor or its command hang there?"
         return found, f"about {calm[pair] * runs.asked[run, pair]:.3g} at most, as in the other episodes", mend
@@ -334,9 +334,9 @@ def no_joint_is_dead(joints: Joints) -> Iterator[Answer]:
     dead = joints.judged.any(axis=0) & ~joints.followed & (runs.moved < _DEAD * runs.asked).all(axis=0)
     for pair in np.flatnonzero(dead).tolist() if joints.followed.any() else ():
         found = f"a command that goes through {runs.asked[:, pair].max():.3g}"
-        expected = f"one that {joints.column(pair)} follows: it moves by {runs.moved[:, pair].max():.3g} at most"
+        expected = f"one that {joints.pairs[pair].name} follows: it moves by {runs.moved[:, pair].max():.3g} at most"
         mend = "Is its motor off, or its sensor broken? Nothing can be learned of it"
-        yield Fault(DATA_DIR, joints.dim(pair), found, expected, mend)
+        yield Fault(DATA_DIR, joints.pairs[pair].command, found, expected, mend)
 
 
 COMMAND = Check("command", "where a robot moves, its command is recorded", "warning")
@@ -352,7 +352,7 @@ def commands_are_recorded(joints: Joints) -> Iterator[Answer]:
 
     def said(run: int, pair: int) -> tuple[str, str, str]:
         found = f"the same number in all {runs.n[run]:.0f} frames"
-        expected = f"a command, since {joints.column(pair)} moves by {runs.moved[run, pair]:.3g}"
+        expected = f"a command, since {joints.pairs[pair].name} moves by {runs.moved[run, pair]:.3g}"
         return found, expected, "Nothing can be learned from it: leave these episodes out, or record them again"
 
     yield from _told(joints, wrong, said)
@@ -393,7 +393,7 @@ def _told(joints: Joints, wrong: Bools, said: Callable[[int, int], tuple[str, st
     alone = wrong & ~together[:, None]
     for pair in np.flatnonzero(alone.any(axis=0)).tolist():
         found, expected, mend = said(int(alone[:, pair].argmax()), pair)
-        yield _in_episodes(joints.dim(pair), joints.number[alone[:, pair]], found, expected, mend)
+        yield _in_episodes(joints.pairs[pair].command, joints.number[alone[:, pair]], found, expected, mend)
 
 
 def _in_episodes(what: str, numbers: Ints, found: str, expected: str, mend: str) -> Fault:

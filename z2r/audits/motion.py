@@ -14,7 +14,7 @@ from z2r.check import Answer, Check
 from z2r.errors import Fault, count
 from z2r.format.episodes import DATA_DIR
 from z2r.format.rules import and_more
-from z2r.format.schema import ACTION, STATE
+from z2r.format.schema import ACTION, STATE, column_label
 from z2r.reading.stored import episodes_named
 
 _LEAP = 20  # times the mean step of its own episode: a joint that starts or stops suddenly comes to half of it
@@ -358,7 +358,4 @@ def _named(runs: Runs, wrong: Any) -> str:
 
 
 def _dim(runs: Runs, name: str, column: int) -> str:
-    feature = runs.claims.schema.features[name]
-    if feature.dim_names:
-        return f"{name}[{feature.dim_names[column]}]"
-    return name if feature.size == 1 else f"{name}[{column}]"
+    return column_label(name, runs.claims.schema.features[name], column)

@@ -98,6 +98,19 @@ class Feature(msgspec.Struct, frozen=True):
         raise ValueError(f"{len(places)} dimensions are called {name!r}, at {', '.join(places)}: name one by its place")
 
 
+def column_label(name: str, feature: Feature, column: int) -> str:
+    """Name one dimension of a feature, as a finding does: by its name, or else by its place.
+
+    >>> column_label("action", Feature("float32", (2,), ["x", "y"]), 1)
+    'action[y]'
+    >>> column_label("next.done", Feature("bool", (1,)), 0)
+    'next.done'
+    """
+    if feature.dim_names:
+        return f"{name}[{feature.dim_names[column]}]"
+    return f"{name}[{column}]" if feature.size > 1 else name
+
+
 class Schema(msgspec.Struct, frozen=True):
     """The schema of a dataset, and the totals that it states.
 
