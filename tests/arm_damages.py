@@ -624,7 +624,7 @@ ON_TIME: dict[str, Kind] = {
         values(ACTION, (), later(5)),
         (ACTION, *POS),
         plant=EVERY,
-        undecidable={ALL: LONGER + ", and this one by hardly any"},
+        undecidable={ALL: "another constant lag, of about none: healthy arms follow 0 to 15 frames late"},
     ),
     "action-very-late": Kind(
         "commands were stored 12 frames after they were sent, so that the arm moves before it is told to",
@@ -722,6 +722,9 @@ ON_TIME: dict[str, Kind] = {
         take(every_other),
         (STATE, ACTION, *POS),
         plant=(ONE, HALF),
+        undecidable={
+            ONE: "an episode that is led twice as fast, with half the lag: both differ as much between healthy ones"
+        },
     ),
     "gap": Kind(
         "a second of frames was dropped in the middle of a motion, and never counted",
