@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from arms import ACTION, POS, SIDES, STATE, TASK, TICK, VIPER, Recording, follow, make, normalised, write
+from arms import ACTION, POS, SIDES, STATE, TASK, TICK, VIPER, Recording, follow, make, normalised, play, write
 from layouts import Frames
 
 PLACE, ONE, HALF, ALL = VARIANTS = ("place", "one", "half", "all")
@@ -1450,15 +1450,6 @@ ON_SENSORS: dict[str, Kind] = {
         WIDE,
     ),
 }
-
-
-def play(own: np.ndarray, width: float) -> np.ndarray:
-    """What is left of a motion when it first has to cross a play."""
-    out, here = own.copy(), own[0].copy()
-    for number, value in enumerate(own):
-        here = np.clip(here, value - width / 2, value + width / 2)
-        out[number] = here
-    return out
 
 
 ON_COPIES: dict[str, Kind] = {

@@ -466,6 +466,8 @@ HEALTHY: dict[str, Shape] = {
     "idle-arm": Shape("an arm that one of two tasks does without", idle_arm),
     "noisy": Shape("encoders that are ten times as noisy, all of them", lambda seed: so101(seed, plant=Plant(noise=4))),
     "unsteady": Shape("an unsteady hand leads", lambda seed: so101(seed, operator=Operator(wobble=1.6))),
+    "tight": Shape("gears without play", lambda seed: so101(seed, plant=Plant(play=0))),
+    "worn": Shape("gears with much play, all of them", lambda seed: so101(seed, plant=Plant(play=2))),
     "sagging": Shape("a weak arm that hangs below its command", lambda seed: so101(seed, plant=Plant(sag=4))),
     **{f"lag-{lag}": Shape(f"an arm that follows {lag} frames late", lagging(lag)) for lag in (0, 1, 2, 4, 8, 15)},
     "uneven-lag": Shape(
