@@ -1630,4 +1630,3 @@ ON_LABELS: dict[str, Kind] = {
 KINDS: dict[str, Kind] = ON_TIME | ON_UNITS | ON_SIGNS | ON_OFFSETS | ON_SENSORS | ON_COPIES | ON_LABELS
 
 CASES: list[tuple[str, str]] = [(name, variant) for name, kind in KINDS.items() for variant in kind.plant]
-DECIDABLE: list[tuple[str, str]] = [(name, variant) for name, variant in CASES if not KINDS[name].why_not(variant)]
