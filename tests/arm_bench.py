@@ -15,7 +15,7 @@ import sys
 import tempfile
 import warnings
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from functools import cache
 from pathlib import Path
@@ -24,12 +24,16 @@ from typing import NamedTuple
 from arm_cameras import CAMERA_CASES, CAMERA_KINDS, ON_VIDEO_FILES, copy_filmed, write_camera_case
 from arm_damages import CASES, KINDS, Case, write_case
 from arms import make, write
-from healthy import SHAPES, write_healthy
+from healthy import EDITED, SHAPES, write_healthy
 
 import z2r
 
 ALL_KINDS = KINDS | CAMERA_KINDS
 NAMED, SEEN, SILENT, BROKEN = "named", "seen", "SILENT", "BROKEN"
+
+
+type Job = tuple[str, str, int]
+"""A kind or a shape, its variant, and a seed."""
 
 
 class Row(NamedTuple):
@@ -89,7 +93,7 @@ def _row(kind: str, variant: str, seed: int, says: str, found: list[tuple[str, s
     )
 
 
-def attempt(job: tuple[str, str, int]) -> Row:
+def attempt(job: Job) -> Row:
     kind, variant, seed = job
     try:
         return try_healthy(kind, seed) if variant == "healthy" else try_damage(kind, variant, seed)
@@ -97,8 +101,20 @@ def attempt(job: tuple[str, str, int]) -> Row:
         return Row(kind, variant, seed, BROKEN, (type(error).__name__,), (str(error),))
 
 
-def quiet() -> None:
-    """LeRobot, where it is imported, has much to say of what it does not find."""
+def attempt_all(jobs: Sequence[Job]) -> list[Row]:
+    return [attempt(job) for job in jobs]
+
+
+def batches(jobs: Sequence[Job]) -> list[list[Job]]:
+    """What one process does at a time: LeRobot is slow to import, and what it records is recorded only once so."""
+    by_lerobot = [job for job in jobs if job[0] in EDITED]
+    others = [job for job in jobs if job[0] not in EDITED]
+    return [by_lerobot, *(others[first : first + 8] for first in range(0, len(others), 8))]
+
+
+def prepare(folder: str) -> None:
+    """Write below a folder that goes away; and LeRobot, where it is imported, has much to say of what it lacks."""
+    tempfile.tempdir = folder
     os.environ |= {"HF_HUB_OFFLINE": "1", "TQDM_DISABLE": "1", "SVT_LOG": "1"}
     logging.disable()
     warnings.simplefilter("ignore")
@@ -127,8 +143,11 @@ def main() -> int:
     faults = [] if options.healthy else [*CASES, *CAMERA_CASES]
     seeds = range(options.first, options.first + options.seeds)
     jobs = [(*what, seed) for what in [*shapes, *faults] for seed in seeds if options.only in "/".join(what)]
-    with ProcessPoolExecutor(2, initializer=quiet) as pool:
-        rows = list(pool.map(attempt, jobs, chunksize=8))
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        ProcessPoolExecutor(2, initializer=prepare, initargs=(folder,)) as pool,
+    ):
+        rows = [row for batch in pool.map(attempt_all, batches(jobs)) for row in batch]
     show([row for row in rows if wrong(row) or not options.wrong], options.texts)
     sum_up(rows)
     return int(any(map(wrong, rows)))

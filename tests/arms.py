@@ -29,6 +29,7 @@ HAND = ("x", "y", "z", "qx", "qy", "qz", "qw", "gripper")
 
 TICK = 360 / 4096  # deg, of the encoder of a Feetech STS3215 and of a Dynamixel XL330
 UPPER, FORE = 0.116, 0.135  # m, about the links of an SO-101
+PLAY = (0.6, 3.0, 4.5, 2.5, 0.6, 4.0)  # deg and percent: what an SO-101 leaves of an error, from one side to the other
 REST = (0.0, -98.0, 97.0, 72.0, 0.0, 2.0)  # deg and percent: folded, where an SO-101 is switched on and off
 
 
@@ -133,13 +134,16 @@ class Plant:
         By how much that differs between episodes.
     noise : float
         Of the sensor, in ticks.
+    play : float
+        How much of `PLAY` the joints have: gears, and motors that let a small error be.
     sag : float
         How far the shoulder and the elbow hang below their command where the arm is stretched out [deg].
     """
 
     lag: float = 4.5
     jitter: float = 0.4
-    noise: float = 0.35
+    noise: float = 0.15
+    play: float = 1
     sag: float = 1.2
 
 
@@ -171,7 +175,8 @@ def lead(rng: np.random.Generator, fps: float, task: Task, operator: Operator) -
     """One demonstration: the command (n, 6) in deg and percent, and how wide the thing in the gripper is, (n,)."""
     pan, far, roll = rng.uniform(*task.take), rng.uniform(0.15, 0.22), rng.uniform(*task.roll)
     goal, away, high = task.put[0] + rng.normal(0, 3), task.put[1] + rng.normal(0, 0.006), task.put[2]
-    wide, shut, width = rng.uniform(60, 85), rng.uniform(1, 6), rng.uniform(*task.width)
+    wide, width = rng.uniform(60, 85), rng.uniform(*task.width)
+    shut = max(1, width - rng.uniform(3, 18))
     start = np.array(REST) + rng.normal(0, [1.5, 0.4, 0.6, 1.2, 1.5, 0.3])
     over, down = reach(pan, far, 0.08, roll), reach(pan, far, -0.02, roll)
     up = reach(pan, far, 0.09, roll)
@@ -221,6 +226,15 @@ def follow(command: np.ndarray, lag: float, share: float = 0.5) -> np.ndarray:
     return out
 
 
+def play(values: np.ndarray, width: float | np.ndarray) -> np.ndarray:
+    """What is left of a motion that first has to cross a play of this width, (n, size)."""
+    here, out = values[0].copy(), values.copy()
+    for number, value in enumerate(values):
+        here = np.clip(here, value - width / 2, value + width / 2)
+        out[number] = here
+    return out
+
+
 def ticks(values: np.ndarray, tick: float | np.ndarray, rng: np.random.Generator, noise: float = 0) -> np.ndarray:
     """What an encoder says: whole ticks, with noise of so many of them."""
     return np.round(values / tick + rng.normal(0, noise, values.shape)) * tick
@@ -241,7 +255,7 @@ def respond(
     lag = max(0, plant.lag + rng.uniform(-plant.jitter, plant.jitter))
     stretched = np.cos(np.radians(command[:, 1] - 80))  # 1 where the upper arm lies level
     pull = np.array([0, 1, 0.6, 0.2, 0, 0]) * plant.sag * np.clip(stretched, 0, 1)[:, None]
-    state = follow(command + pull, lag)
+    state = play(follow(command + pull, lag), plant.play * np.array(PLAY))
     state[:, 5] = np.maximum(state[:, 5], held + 0.02 * (state[:, 5] - held))
     grid = np.array([TICK] * 5 + [0.0674])
     return ticks(state, grid, rng, plant.noise), ticks(command, np.array([TICK] * 5 + [0.0804]), rng)
@@ -292,7 +306,9 @@ def normalised(values: np.ndarray) -> np.ndarray:
 
 def koch(seed: int = 0) -> Recording:
     """Dynamixel motors, faster, with the names of the first version of LeRobot, and one task."""
-    recording = so101(seed + 2000, tasks=(CUBE,), operator=Operator(speed=140), plant=Plant(lag=2, noise=0.5, sag=0.4))
+    recording = so101(
+        seed + 2000, tasks=(CUBE,), operator=Operator(speed=140), plant=Plant(lag=2, noise=0.5, play=0.3, sag=0.4)
+    )
     names = tuple(f"main_{joint}" for joint in JOINTS)
     return replace(recording, robot="koch", names={STATE: names, ACTION: names}, files=2)
 
@@ -300,7 +316,7 @@ def koch(seed: int = 0) -> Recording:
 def aloha(seed: int = 0, n: int = 10) -> Recording:
     """Two ViperX arms in radians, grippers 0 to 1, 50 fps: the right arm acts, the left one steadies, begun later."""
     rng = np.random.default_rng([seed, 14])
-    plant = Plant(lag=3.5, noise=0.5, sag=0.6)
+    plant = Plant(lag=3.5, noise=0.5, play=0.2, sag=0.6)
     episodes = []
     for _ in range(n):
         operator = Operator(speed=rng.uniform(170, 220), pause=0.15)
@@ -377,7 +393,7 @@ def hand(seed: int = 0) -> Recording:
     episodes = []
     for _ in range(12):
         command, held = lead(rng, 20, CUBE, Operator(speed=rng.uniform(75, 110)))
-        angles, _ = respond(rng, command, held, Plant(lag=0, noise=0, sag=0))
+        angles, _ = respond(rng, command, held, Plant(lag=0, noise=0, play=0, sag=0))
         state = follow(angles, 3 + rng.uniform(-0.3, 0.3))
         episodes.append(episode(in_space(state, rng, 4e-4), in_space(angles, rng, 0)))
     return Recording("hand", 20, {STATE: HAND, ACTION: HAND}, episodes, [CUBE.text])

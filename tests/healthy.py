@@ -70,7 +70,8 @@ type Value = Callable[[Frames, np.random.Generator], Any]
 def write_healthy(name: str, root: Path, seed: int = 0) -> None:
     """Write the dataset of a shape."""
     if name in EDITED:
-        edited(EDITED[name], root, seed)
+        what, edit = EDITED[name]
+        edited(edit, what, root, seed)
     elif name in FILMED:
         FILMED[name](root, seed)
     else:
@@ -465,11 +466,19 @@ HEALTHY: dict[str, Shape] = {
     "idle-arm": Shape("an arm that one of two tasks does without", idle_arm),
     "noisy": Shape("encoders that are ten times as noisy, all of them", lambda seed: so101(seed, plant=Plant(noise=4))),
     "unsteady": Shape("an unsteady hand leads", lambda seed: so101(seed, operator=Operator(wobble=1.6))),
+    "tight": Shape("gears without play", lambda seed: so101(seed, plant=Plant(play=0))),
+    "worn": Shape("gears with much play, all of them", lambda seed: so101(seed, plant=Plant(play=2))),
     "sagging": Shape("a weak arm that hangs below its command", lambda seed: so101(seed, plant=Plant(sag=4))),
     **{f"lag-{lag}": Shape(f"an arm that follows {lag} frames late", lagging(lag)) for lag in (0, 1, 2, 4, 8, 15)},
     "uneven-lag": Shape(
         "an arm whose lag differs by 3 frames from episode to episode",
         lambda seed: so101(seed, plant=Plant(lag=6, jitter=1.5)),
+    ),
+    "two-lags": Shape(
+        "half of the episodes were recorded by another computer: a frame more of lag",
+        lambda seed: replace(
+            so101(seed), episodes=so101(seed).episodes[:6] + so101(seed, plant=Plant(lag=5.8)).episodes[6:]
+        ),
     ),
     "gripper-open": Shape("a gripper that stays open: the task is to push", still("gripper.pos", 60.0)),
     "gripper-shut": Shape("a gripper that stays shut: the task is to point", still("gripper.pos", 1.0, 0)),
@@ -569,14 +578,14 @@ HEALTHY: dict[str, Shape] = {
 # --- what is filmed
 
 
-def settled(change: cameras.Change, *names: str) -> Callable[[Path, int], None]:
-    """The filmed arm, with cameras that show all episodes so."""
+def settled(change: cameras.Change, every: bool = False) -> Callable[[Path, int], None]:
+    """The filmed arm, with a camera that shows all episodes so, or with two."""
 
     def of(root: Path, seed: int) -> None:
         cameras.copy_filmed(root, seed)
         n_episodes = len(cameras.column(root, "length"))
         everywhere = [Place(episode, slice(None)) for episode in range(n_episodes)]
-        cameras.seen(change, *names)(root, everywhere, np.random.default_rng(seed))
+        cameras.seen(change, every)(root, everywhere, np.random.default_rng(seed))
 
     return of
 
@@ -603,45 +612,47 @@ FILMED: dict[str, Callable[[Path, int], None]] = {
     "filmed-upside-down": settled(cameras.upside_down),
     "filmed-blurred": settled(cameras.blurred),
     "filmed-a-hand": settled(a_hand),
-    "filmed-daylight": settled(dusk, cameras.SIDE, cameras.TOP),
-    "filmed-two-frames-late": settled(cameras.late(2), cameras.SIDE, cameras.TOP),
+    "filmed-daylight": settled(dusk, every=True),
+    "filmed-two-frames-late": settled(cameras.late(2), every=True),
 }
 
 
 # --- what LeRobot's tools make
 
 
-def record(recording: Recording, root: Path, file_size_in_mb: float = 100) -> None:
-    """Let LeRobotDataset record it, frame by frame."""
+def record(recording: Recording, root: Path, film: cameras.Film, dtype: str = "video") -> None:
+    """Let LeRobotDataset record it, frame by frame, with what cameras saw; a file for about every episode."""
     from lerobot.datasets.lerobot_dataset import LeRobotDataset
 
-    features = {
-        name: {"dtype": "float32", "shape": (len(names),), "names": list(names)}
-        for name, names in recording.names.items()
-    }
+    features = {name: {"dtype": "float32", "shape": (6,), "names": list(POS)} for name in (STATE, ACTION)}
+    camera = {"dtype": dtype, "shape": (cameras.HEIGHT, cameras.WIDTH, 3), "names": ["height", "width", "channels"]}
     dataset = LeRobotDataset.create(
         "test/arm",
         int(recording.fps),
-        features,
+        features | dict.fromkeys(film, camera),
         root,
         recording.robot,
-        use_videos=False,
-        data_files_size_in_mb=file_size_in_mb,
+        use_videos=dtype == "video",
+        data_files_size_in_mb=0.02,
+        video_files_size_in_mb=0.05,
     )
-    for own in recording.episodes:
+    for number, own in enumerate(recording.episodes):
         for row in range(len(own[TASK])):
             frame = {name: own[name][row].astype(np.float32) for name in features}
-            dataset.add_frame(frame | {"task": recording.tasks[own[TASK][row]]})
+            pictures = {name: episodes[number][row] for name, episodes in film.items()}
+            dataset.add_frame(frame | pictures | {"task": recording.tasks[own[TASK][row]]})
         dataset.save_episode()
     dataset.finalize()
 
 
 @cache
-def _recorded(seed: int) -> tuple[Path, Path]:
-    """Two datasets to be edited: one has several files."""
+def _recorded(seed: int, what: str) -> tuple[Path, Path]:
+    """Two datasets to be edited; of `what`: "numbers", or "video" or "image" too, but then short ones."""
     folder = Path(tempfile.mkdtemp(prefix="healthy-"))
-    record(so101(seed, n=6), folder / "one", 0.02)
-    record(so101(seed + 1, n=4), folder / "other")
+    for number, (name, n) in enumerate({"one": 6, "other": 3}.items()):
+        recording = so101(seed + number, n) if what == "numbers" else so101(seed + number, n, 5, operator=Operator(200))
+        film = {} if what == "numbers" else cameras.film(recording, seed)
+        record(recording, folder / name, film, what)
     return folder / "one", folder / "other"
 
 
@@ -649,11 +660,11 @@ type Edit = Callable[[Any, Any, Any, Path], object]
 """Takes `dataset_tools`, two datasets, and where the edited one has to be."""
 
 
-def edited(edit: Edit, root: Path, seed: int) -> None:
+def edited(edit: Edit, what: str, root: Path, seed: int) -> None:
     from lerobot.datasets import dataset_tools
     from lerobot.datasets.lerobot_dataset import LeRobotDataset
 
-    edit(dataset_tools, *(LeRobotDataset("test/arm", folder) for folder in _recorded(seed)), root)
+    edit(dataset_tools, *(LeRobotDataset("test/arm", folder) for folder in _recorded(seed, what)), root)
 
 
 def _split(tools: Any, one: Any, other: Any, root: Path) -> None:
@@ -677,13 +688,30 @@ def _reduce(tools: Any, one: Any, other: Any, root: Path) -> None:
     tools.remove_feature(added, "next.reward", root, "test/arm")
 
 
-EDITED: dict[str, Edit] = {
-    "lerobot-recorded": lambda tools, one, other, root: shutil.copytree(one.root, root),
-    "lerobot-deleted": lambda tools, one, other, root: tools.delete_episodes(one, [1, 4], root, "test/arm"),
-    "lerobot-split": _split,
-    "lerobot-merged": lambda tools, one, other, root: tools.merge_datasets([one, other], "test/arm", root),
-    "lerobot-reduced": _reduce,
-    "lerobot-relabelled": _relabel,
+def _copy(tools: Any, one: Any, other: Any, root: Path) -> None:
+    shutil.copytree(one.root, root)
+
+
+def _delete(tools: Any, one: Any, other: Any, root: Path) -> None:
+    tools.delete_episodes(one, [1, 4], root, "test/arm")
+
+
+def _merge(tools: Any, one: Any, other: Any, root: Path) -> None:
+    tools.merge_datasets([one, other], "test/arm", root)
+
+
+EDITED: dict[str, tuple[str, Edit]] = {
+    "lerobot-recorded": ("numbers", _copy),
+    "lerobot-deleted": ("numbers", _delete),
+    "lerobot-split": ("numbers", _split),
+    "lerobot-merged": ("numbers", _merge),
+    "lerobot-reduced": ("numbers", _reduce),
+    "lerobot-relabelled": ("numbers", _relabel),
+    "lerobot-images": ("image", _copy),
+    "lerobot-videos": ("video", _copy),
+    "lerobot-videos-deleted": ("video", _delete),
+    "lerobot-videos-split": ("video", _split),
+    "lerobot-videos-merged": ("video", _merge),
 }
 
 SHAPES: list[str] = [*HEALTHY, *FILMED, *EDITED]
