@@ -19,7 +19,7 @@ from z2r.arrays import Ints, Progress, no_progress
 from z2r.audits import cameras, index, joints, labels, motion, pictures, readiness, stats, structure, tasks, values
 from z2r.audits.claims import Claims, NoSchema, Stored, claims_under, read_claims
 from z2r.audits.findings import AUDIT, Finding, ask, failed
-from z2r.audits.following import fold_following, join_following, pairs_of
+from z2r.audits.following import Pair, fold_following, join_following, pairs_of
 from z2r.audits.footage import FileImages, Footage, read_file_images, read_footage, sum_images, sum_way
 from z2r.audits.frames import FileClaims, FileFrames, file_claims, run_stats
 from z2r.audits.glances import glance_at, join_filmed
@@ -201,7 +201,8 @@ def _fold_files(
     progress: Progress,
     executor: Executor | None,
 ) -> list[FileSums]:
-    work = partial(_fold_file, claims.root, claims.schema, claims.stored.task_numbers, claims.reading, scene)
+    pairs = pairs_of(claims.schema, claims.reading)
+    work = partial(_fold_file, claims.root, claims.schema, claims.stored.task_numbers, claims.reading, pairs, scene)
     sums = []
     for part in in_order(work, files, executor):
         sums.append(part)
@@ -210,7 +211,13 @@ def _fold_files(
 
 
 def _fold_file(
-    root: Path, schema: Schema, tasks: Ints | None, reading: Reading | None, scene: Scene | None, claims: FileClaims
+    root: Path,
+    schema: Schema,
+    tasks: Ints | None,
+    reading: Reading | None,
+    pairs: Sequence[Pair],
+    scene: Scene | None,
+    claims: FileClaims,
 ) -> FileSums:
     """Read one data file, ask of it all that there is to ask, and keep what the others are held against."""
     try:
@@ -228,7 +235,7 @@ def _fold_file(
             numbers=None if number is None else number[starts],
             stats={name: run_stats(signal, starts) for name, signal in signals.items()},
             steps={name: run_steps(signal, starts, schema.fps) for name, signal in signals.items() if moves(name)},
-            following=fold_following(pairs_of(schema, reading), signals, starts),
+            following=fold_following(pairs, signals, starts),
             labels=fold_labels(frames, reading),
             scene=_fold_scene(scene, frames, reading, findings),
             idle=standstill(signals, starts),

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from z2r.arrays import Columns, Floats, Ints
-from z2r.audits.steps import is_a_turn
+from z2r.audits.steps import is_a_turn, run_of_each
 from z2r.format.schema import ACTION, STATE, Schema, column_label
 from z2r.reading.joints import joints_of
 from z2r.reading.reading import Reading
@@ -21,7 +21,7 @@ MIN_FRAMES = 40  # of a run: from fewer nothing is said
 FOLLOWS = 0.7  # share of a command's variance that its column must explain
 
 _LATE, _AHEAD = 10, 20  # frames: so far before and after a command its column is looked for
-_SAMPLE = 8  # runs of a file, from which its usual lag is taken
+_SAMPLE = 5  # runs of a file, from which its usual lag is taken
 _LONGEST = 600  # frames of a run that are looked at closer
 _OFF = 3  # times as much unexplained as in the better runs: look closer
 _LITTLE = 0.004  # of the variance: what leaves less unexplained needs no closer look
@@ -212,6 +212,8 @@ def _fold_pair(pairs: Sequence[Pair], place: int, columns: Columns, starts: Ints
 
 def _turns(values: Floats, starts: Ints) -> Floats:
     """Count the steps of a whole turn in each run."""
+    if not is_a_turn(np.abs(np.diff(values)).max(initial=0), np.ptp(values)):
+        return np.zeros(len(starts))
     a_turn = is_a_turn(np.abs(_change(values, starts)), np.ptp(values))
     n_turns: Floats = np.add.reduceat(a_turn.astype(np.float64), starts)
     return n_turns
@@ -246,13 +248,15 @@ def _stray(
         return {"beside": worst, "beside_at": at}
     lag = usual.lag
     beside = asked - factor * np.roll(seen, -lag)
-    total = np.concatenate([[0.0], np.cumsum(beside - np.median(beside))])
+    total = np.concatenate([[0.0], np.cumsum(beside - beside.mean())])
     mean = np.abs(total[_SECOND:] - total[:-_SECOND]) / _SECOND  # of the frames from each on
-    first, last = starts + max(-lag, 0), stops - max(lag, 0) - _SECOND
-    for run in np.flatnonzero(last > first).tolist():
-        window = mean[first[run] : last[run]]
-        place = int(window.argmax())
-        worst[run], at[run] = window[place], first[run] - starts[run] + place
+    run, rows = run_of_each(starts, len(asked))[: len(mean)], np.arange(len(mean))
+    mean[(rows < (starts + max(-lag, 0))[run]) | (rows >= (stops - max(lag, 0) - _SECOND)[run])] = -1
+    inside = starts < len(mean)  # the last runs may be shorter than a second
+    worst[inside] = np.maximum.reduceat(mean, starts[inside]) if inside.any() else worst[inside]
+    hits = np.flatnonzero(mean == worst[run])[::-1]  # the first of each run is written last
+    at[run[hits]] = hits - starts[run[hits]]
+    worst[worst < 0] = np.nan
     return {"beside": worst, "beside_at": at}
 
 
@@ -281,11 +285,14 @@ def _look(asked: Floats, seen: Floats, explained: float) -> Iterator[tuple[str, 
 def _best_lag(asked: Floats, seen: Floats) -> _Lag:
     """Say in which way a column follows best in one run of frames."""
     before, after = min(_LATE, len(asked) // 4), min(_AHEAD, len(asked) // 4)
-    ways = np.stack([seen, _change(seen, np.array([0]))], axis=1)  # (n, 2)
-    explained = _explained(asked[before : len(asked) - after], ways)  # (before + after + 1, 2)
-    lag, kind = (int(place) for place in np.unravel_index(int(explained.argmax()), explained.shape))
-    best = float(explained[lag, kind])
-    alike = np.flatnonzero(1 - explained[:, kind] <= _ALIKE * (1 - best) + _TOO_LITTLE) - before
+    core, kind = asked[before : len(asked) - after], 0
+    explained = _explained(core, seen[:, None])[:, 0]  # (before + after + 1,)
+    if explained.max() < _POOR:
+        by_change = _explained(core, _change(seen, np.array([0]))[:, None])[:, 0]
+        kind = int(by_change.max() > explained.max())
+        explained = by_change if kind else explained
+    lag, best = int(explained.argmax()), float(explained.max())
+    alike = np.flatnonzero(1 - explained <= _ALIKE * (1 - best) + _TOO_LITTLE) - before
     return _Lag(kind, lag - before, int(alike[0]), int(alike[-1]), best)
 
 

@@ -31,7 +31,7 @@ _VERY_WELL = 0.985  # explained: then a factor is known to a few percent
 _SCALE_WELL = 1.12  # times
 _GEARED = 1.18  # times the scale of the other joints
 _FAR = 5  # times: no contact makes a factor look so much larger
-_BESIDE_FOR_A_WHILE = 4  # times as far as in the others, for how far the command goes, in the worst second
+_BESIDE_FOR_A_WHILE = 5  # times as far as in the others, for how far the command goes, in the worst second
 _ALWAYS_BESIDE = 0.1  # of a joint's range
 _DEAD = 0.02  # of its command
 _COPIED = 0.1  # of the frames in which a command changes
@@ -295,7 +295,7 @@ FOLLOW = Check("follow", "a joint follows its command in every episode, if it do
 def joints_follow_in_every_episode(joints: Joints) -> Iterator[Answer]:
     """Does a joint go its own way in some episodes? The action is of another episode then, or the sensor is broken."""
     runs, usual = joints.runs, joints.usual
-    steady = joints.followed & (usual["explained"] > _WELL)
+    steady = joints.followed & (usual["explained"] > _WELL) & (usual["kind"] == 0)
     wrong = joints.judged & steady & (runs.explained < np.minimum(0.5, 1 - 5 * (1 - usual["explained"])))
     wrong &= ~((runs.other_explained > _WELL) & (runs.other != np.arange(len(joints.pairs))))
 

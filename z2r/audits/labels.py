@@ -199,6 +199,13 @@ def done_where_an_episode_ends(labels: Labels) -> Iterator[Answer]:
         found = f"true in several frames up to the end of {labels.named(stays)}"
         mend = "Who stops at the first one leaves the others out"
         yield "note", Fault(DATA_DIR, DONE, found, expected, mend, labels.episodes(stays))
+    never = ~done.ever
+    if done.ever.any() and never.any():
+        found, mend = f"false in all frames of {labels.named(never)}", "Were these cut off?"
+        yield (
+            "note",
+            Fault(DATA_DIR, DONE, found, f"{expected}, as in the other episodes", mend, labels.episodes(never)),
+        )
     if not done.ever.any():
         yield "note", Fault(DATA_DIR, DONE, "false in every frame", "true where an episode ends, unless it was cut off")
 
@@ -212,6 +219,11 @@ def label_tells_something(labels: Labels) -> Iterator[Answer]:
     if labels.success and (labels.success.always.all() or not labels.success.ever.any()):
         found = f"{'true' if labels.success.always[0] else 'false'} in every frame of every episode"
         yield Fault(DATA_DIR, labels.label, found, expected, mend)
+    elif labels.success and labels.success.always.any():
+        found = f"true in every frame of {labels.named(labels.success.always)}"
+        mend = "Was it set before the episode began?"
+        episodes = labels.episodes(labels.success.always)
+        yield Fault(DATA_DIR, labels.label, found, "false before it is a success", mend, episodes)
     if labels.reward is not None and len(labels.levels) == 1:
         yield Fault(DATA_DIR, REWARD, f"{labels.levels[0]:g} in every frame of every episode", expected, mend)
 

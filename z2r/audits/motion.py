@@ -38,12 +38,13 @@ _HOMES_APART = 6  # times as far as the episodes of one place are from each othe
 _FAR_HOME = 0.08  # of a column's range
 _AWAY = 4  # steps: what gets there in fewer is a velocity, and may begin anywhere
 _FEW = 0.2  # of the episodes
+_LIMIT = 0.05  # of the way between two limits: calibration is off by as much
 _CLIPPED = 0.02  # of the frames
 _TICK = 0.0005  # of a column's range: less is the tick of an encoder
-_NEAR = 0.12  # of the distance that is usual between two demonstrations
+_NEAR = 0.1  # of the distance that is usual between two demonstrations
 _COMMON = 6  # marks that two demonstrations must have to be compared
 _MOVED, _TELLING = 0.05, 10  # of its spread, a column; so often, or two copies are by chance
-_NEIGHBOURS = 64  # demonstrations, with which each is compared
+_NEIGHBOURS = 32  # demonstrations, with which each is compared
 _MAX_COMPARED = 20_000  # demonstrations
 
 
@@ -219,6 +220,27 @@ def episodes_begin_at_one_place(runs: Runs) -> Iterator[Answer]:
             runs, place, wrong, f"a first frame at {here:.3g}", f"one at about {there:.3g}, as in the others", mend
         )
         yield fault if len(few) <= _FEW * len(runs.number) else ("note", fault)
+
+
+@Check("limits", "a column stays within the limits that a reading declares", "warning").of(Runs)
+def columns_keep_their_limits(runs: Runs) -> Iterator[Answer]:
+    """Does a column go beyond what a reading says that it keeps?"""
+    reading, features = runs.claims.reading, runs.claims.schema.features
+    for name, stats in runs.stats.items() if reading else ():
+        for column, label in enumerate(features[name].dim_names):
+            meaning = reading.meaning(name, label)
+            for limit, sign, values in ((meaning.low, -1, stats.low), (meaning.high, 1, stats.high)):
+                if limit is None:
+                    continue
+                beyond = sign * (values[:, column] - limit)
+                wrong = beyond > _LIMIT * np.ptp([meaning.low or 0.0, meaning.high or 0.0])
+                if wrong.any():
+                    run = int(beyond.argmax())
+                    found = f"{values[run, column]:.4g}{f' {meaning.unit}' if meaning.unit else ''}"
+                    expected = f"at {'least' if sign < 0 else 'most'} {limit:.4g}, as the reading {reading.name} says"
+                    mend = "Is the reading right? Then a unit, a calibration or a sensor is not"
+                    place = f"{_dim(runs, name, column)} in {_named(runs, wrong)}"
+                    yield _fault(runs, place, wrong, found, expected, mend)
 
 
 @Check("clipped", "what follows or is followed goes as far as the other", "note").of(Runs)

@@ -27,7 +27,7 @@ _IDLE_SECONDS, _IDLE_SHARE = 2.0, 0.2  # a standstill that is both longer than t
 _SHORT = 0.1  # of the median length
 
 
-@Check("policy-features", "there is an `action`, and something that is observed", "warning").of(Claims)
+@Check("policy-features", "there is an `action`, and something that is observed", "note").of(Claims)
 def policy_features(claims: Claims) -> Iterator[Answer]:
     """Policies of LeRobot learn `action` from what is called `observation.*`, and see nothing else."""
     names = [name for name in claims.schema.features if name not in BOOKKEEPING]

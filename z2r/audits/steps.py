@@ -27,7 +27,7 @@ class RunSteps(NamedTuple):
     moves : ndarray
         How many frames differ from the one before.
     at_low, at_high : ndarray
-        In how many frames it is at its lowest, and at its highest value, bit for bit.
+        In how many frames it is at the lowest, and at the highest value of this file, bit for bit.
     noise : ndarray
         The sum of the sizes of the third differences: white noise of a standard deviation s gives 3.6 s a frame, smooth
         motion far less, and one leap counts as one.
@@ -65,12 +65,12 @@ def moves(name: str) -> bool:
     return name.startswith(("observation", ACTION))
 
 
-def is_a_turn(steps: Floats, spans: Floats | float) -> Bools:
+def is_a_turn(steps: Floats | float, spans: Floats | float) -> Bools:
     """Say where an angle goes on at the other end of its range: a step of a whole turn, through a range as wide.
 
     Parameters
     ----------
-    steps : ndarray, float64[..., size]
+    steps : ndarray, float64[..., size], or float
         From one frame to the next.
     spans : ndarray, float64[size], or float
         From the smallest to the largest value of each column.
@@ -85,9 +85,16 @@ def is_a_turn(steps: Floats, spans: Floats | float) -> Bools:
     return a_turn
 
 
+def run_of_each(starts: Ints, n_rows: int) -> Ints:
+    """Return the run that each row is in, int64[n_rows]."""
+    begins = np.zeros(n_rows, dtype=np.int64)
+    begins[starts[(starts > 0) & (starts < n_rows)]] = 1
+    return np.cumsum(begins)
+
+
 def run_steps(values: Array, starts: Ints, fps: float) -> RunSteps:
     """Sum up one feature for each run; a run begins at each of `starts` and ends where the next begins."""
-    run = np.repeat(np.arange(len(starts)), np.diff(np.append(starts, len(values))))
+    run = run_of_each(starts, len(values))
     moving = np.zeros(len(values), dtype=bool)
     columns = []
     for column in values.T:
@@ -122,8 +129,8 @@ def _column_steps(values: Floats, run: Ints, starts: Ints) -> dict[str, Any]:
         "around": around,
         "path": np.add.reduceat(size, starts),
         "moves": np.add.reduceat((steps != 0).astype(np.float64), starts),
-        "at_low": np.add.reduceat((values == np.minimum.reduceat(values, starts)[run]).astype(np.float64), starts),
-        "at_high": np.add.reduceat((values == np.maximum.reduceat(values, starts)[run]).astype(np.float64), starts),
+        "at_low": np.add.reduceat((values == values.min()).astype(np.float64), starts),
+        "at_high": np.add.reduceat((values == values.max()).astype(np.float64), starts),
         "noise": np.add.reduceat(np.abs(third), starts),
         "jerks": np.add.reduceat(np.square(third), starts),
         "alternates": np.add.reduceat(third * np.append(third[1:], 0.0), starts),

@@ -19,7 +19,7 @@ UNIT_TOLERANCE = 0.01  # of sin² + cos²: rounding to three digits stays within
 _FURTHER = 10  # times the step that is usual: no sensor of a moving robot was seen to do that by itself
 
 _MIN_EPISODES = 5  # from fewer nothing can be said about what is usual
-_LONG = 20  # frames: a sensor may well stand still for less
+_LONG = 40  # frames: a sensor may well stand still for less
 _NEARLY_ALL = 0.9  # of the episodes
 
 
@@ -48,6 +48,23 @@ def unit_circle(frames: FileFrames) -> Iterator[Answer]:
 
 
 JUMP = Check("jump", "no value leaps away and back, many times further than it moves elsewhere", "warning")
+
+
+@Check("unit-quaternion", "the squares of a quaternion sum up to 1", "error").of(FileFrames)
+def unit_quaternion(frames: FileFrames) -> Iterator[Answer]:
+    """Are the squares of every quaternion 1 together? Else it is none, or its columns are not what they are called."""
+    for name, values in frames.read.frames.items():
+        feature = frames.schema.features[name]
+        for columns in quaternions(feature):
+            squares = np.square(values[:, columns].astype(np.float64)).sum(axis=1)
+            wrong = np.abs(squares - 1) > UNIT_TOLERANCE
+            if wrong.any():
+                row = int(wrong.argmax())
+                place = f"{name}: the squares of {', '.join(feature.dim_names[each] for each in columns)} in row {row}"
+                found = f"{squares[row]:.3f}{and_more(wrong)}"
+                yield Fault(
+                    frames.path, place, found, "1: a quaternion", "Divide each by its length", frames.episodes_in(wrong)
+                )
 
 
 @JUMP.of(Runs)
@@ -126,6 +143,19 @@ def unit_pairs(feature: Feature) -> list[tuple[int, int]]:
     names = feature.dim_names
     partners = [re.sub(r"(?<![^\W_])sin(?![^\W_])", "cos", name) for name in names]
     return [(i, names.index(other)) for i, other in enumerate(partners) if other != names[i] and other in names]
+
+
+def quaternions(feature: Feature) -> list[list[int]]:
+    """Find the dimensions that hold a quaternion, by their names.
+
+    >>> quaternions(Feature("float32", (5,), ["x", "ee.qx", "ee.qy", "ee.qz", "ee.qw"]))
+    [[1, 2, 3, 4]]
+    """
+    found: dict[str, dict[str, int]] = {}
+    for place, name in enumerate(feature.dim_names):
+        if match := re.fullmatch(r"(.*?)(?:q|quat|quaternion)[._]?([xyzw])", name, re.IGNORECASE):
+            found.setdefault(match[1], {})[match[2].lower()] = place
+    return [[places[axis] for axis in "xyzw"] for places in found.values() if len(places) == 4]
 
 
 def jumps(name: str, feature: Feature, stats: RunStats, numbers: Ints) -> Iterator[Fault]:
