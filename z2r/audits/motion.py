@@ -226,7 +226,9 @@ def episodes_begin_at_one_place(runs: Runs) -> Iterator[Answer]:
 def columns_keep_their_limits(runs: Runs) -> Iterator[Answer]:
     """Does a column go beyond what a reading says that it keeps?"""
     reading, features = runs.claims.reading, runs.claims.schema.features
-    for name, stats in runs.stats.items() if reading else ():
+    if reading is None:
+        return
+    for name, stats in runs.stats.items():
         for column, label in enumerate(features[name].dim_names):
             meaning = reading.meaning(name, label)
             for limit, sign, values in ((meaning.low, -1, stats.low), (meaning.high, 1, stats.high)):
