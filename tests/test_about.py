@@ -136,6 +136,7 @@ def test_cameras_and_text_are_shown_with_what_is_known_of_them(standin_copy, tmp
         ({"video_info": {"video.fps": 15.0, "video.codec": "h264"}}, Camera(FRONT, None, None, 15.0, "h264")),
         ({"info": {"video.height": 48, "video.width": 64}}, Camera(FRONT, 48, 64, None, None)),
         ({"info": {"video.fps": "fast", "video.codec": 7, "video.height": -1, "video.width": True}}, None),
+        ({"info": {"video.fps": 10**400}}, None),
         ({"info": {"video.fps": 0, "video.codec": " "}, "video_info": [1]}, None),
         ({"info": 7, "names": ["height", 7, None]}, None),
         ({"names": {"height": 0, "width": 1}}, None),

@@ -23,6 +23,7 @@ from damages import (
     INFO,
     STATE,
     TASKS,
+    VIDEO,
     claim_rows,
     declare_video,
     edit_column,
@@ -31,6 +32,7 @@ from damages import (
     edit_info,
     fingerprint,
     footer_start,
+    orphan_video,
     read_json,
     set_at,
 )
@@ -38,6 +40,7 @@ from layouts import STATS_PATH, Frames
 
 import z2r
 
+CAMERA = VIDEO.split("/")[1]
 SECONDS = 15
 PEAK = 800 * 2**20  # bytes, of which Python with pyarrow and rerun takes about 250 MiB
 
@@ -181,6 +184,16 @@ def add_text_column(root: Path) -> None:
     pq.write_table(table.append_column("note", pa.array(["x" * 10**5] * len(table))), root / DATA)
 
 
+def large_images(root: Path) -> None:
+    """Store one image, which is none, in all rows; in the file it stands once."""
+    edit_feature(root, CAMERA, dtype="image", shape=[10, 10, 3], names=None)
+    table, image = pq.read_table(root / DATA), {"bytes": b"x" * 30 * 10**6, "path": None}
+    rows = pa.array([0] * len(table), pa.int32())
+    column = pa.DictionaryArray.from_arrays(rows, pa.array([image["bytes"]]))
+    struct = pa.StructArray.from_arrays([column, pa.nulls(len(table), pa.string())], ["bytes", "path"])
+    pq.write_table(table.append_column(CAMERA, struct), root / DATA, store_schema=False)
+
+
 def limits(low: int, high: int) -> Callable[[Path], None]:
     def change(columns: Frames) -> None:
         columns["dataset_from_index"][:] = low
@@ -228,6 +241,16 @@ CASES: dict[str, Case] = {
     "a video name of 5000 letters": Case(lambda root: declare_video(root, "x" * 5000), 1, 0),
     "a video name with NUL": Case(lambda root: declare_video(root, "x\0"), 1, 0),
     "a video name that leads up": Case(lambda root: declare_video(root, "../../../../etc"), 1, 0),
+    "a video of 10 GB of nothing": Case(
+        lambda root: (declare_video(root), orphan_video(root), sparse(VIDEO)(root)), 1, 0, can_be_read_whole=False
+    ),
+    "a video that is a pipe": Case(
+        lambda root: (declare_video(root), orphan_video(root), pipe(VIDEO)(root)), 1, 0, can_be_read_whole=False
+    ),
+    "a camera of 10**400 pictures a second": Case(
+        lambda root: (declare_video(root), edit_feature(root, CAMERA, info={"video.fps": 10**400})), 1, 0
+    ),
+    "an image of 30 MB in every row": Case(large_images, 1, 0),
     # numbers
     "fps of NaN": Case(lambda root: edit_info(root, fps=float("nan")), 2, 2, INFO),
     "fps of infinity": Case(lambda root: edit_info(root, fps=float("inf")), 2, 2, INFO),

@@ -294,8 +294,9 @@ def _ask_of_cameras(
 ) -> tuple[list[Finding], Sequence[str]]:
     """Ask of the indices of videos, and of what the pictures look like; say also what nobody looked at."""
     findings = [*ask(asked_of(Footage, PARTS), footage)]
-    if runs is None or not cameras_of(footage.claims.schema):
-        return findings, ()
+    names = [camera.name for camera in cameras_of(footage.claims.schema)]
+    if runs is None or not names:
+        return findings, [f"what {some(names)} show: `episode_index` of some file cannot be used"] if names else []
     filmed = join_filmed(footage, runs, [(files[number], sums[number]) for number in runs.read])
     looks = looks_of_glances(filmed, glance_at(filmed, decode, executor)) if decode else looks_of_sizes(filmed)
     return [*findings, *ask(asked_of(Looks, PARTS), looks)], looks.not_checked

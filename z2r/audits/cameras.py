@@ -12,7 +12,7 @@ from z2r.audits.structure import COLUMN_TYPE, DATA_FILE, VIDEO_FILE
 from z2r.audits.values import FINITE
 from z2r.check import Answer, Check
 from z2r.errors import Fault, count
-from z2r.format.about import axes_of, said_of
+from z2r.format.about import axes_of, cameras_of, said_of
 from z2r.format.episodes import EPISODES_DIR
 from z2r.format.images import Format, Images
 from z2r.format.rules import and_more
@@ -59,18 +59,19 @@ def videos_have_their_format(footage: Footage) -> Iterator[Answer]:
 def the_schema_agrees_with_itself(footage: Footage) -> Iterator[Answer]:
     """Do the parts of `meta/info.json` that speak of a camera say the same, and what LeRobot makes of it?"""
     schema = footage.claims.schema
-    for camera in footage.claims.videos.value:
-        feature = schema.features[camera]
-        said, axes = said_of(feature), axes_of(feature)
+    for camera, fps in (
+        (each.name, each.fps) for each in cameras_of(schema) if each.name in footage.claims.videos.value
+    ):
+        said, axes = said_of(schema.features[camera]), axes_of(schema.features[camera])
         is_depth = said.get("is_depth_map") or said.get("video.is_depth_map")
         channels = axes.get("channels", axes.get("channel"))
-        if not is_depth and channels not in (None, _COLOURS):
+        is_video = schema.features[camera].dtype == "video"
+        if is_video and not is_depth and channels not in (None, _COLOURS):
             expected = f"{_COLOURS}: LeRobot decodes every video to RGB that is not said to be a depth map"
             yield "warning", Fault(INFO_PATH, f"features.{camera}.shape", f"{channels} channels", expected)
-        fps = said.get("video.fps")
-        if isinstance(fps, int | float) and _is_off(fps, schema.fps):
-            fault = Fault(INFO_PATH, f"features.{camera}.info.video.fps", fps, f"{schema.fps:g}, as fps says")
-            yield "warning", fault
+        if _is_off(fps, schema.fps):
+            place = f"features.{camera}.info.video.fps"
+            yield "warning", Fault(INFO_PATH, place, fps, f"{schema.fps:g}, as fps says")
 
 
 @Check("video-length", "a video has as many pictures as its episodes have frames", "error").of(Footage)

@@ -28,7 +28,6 @@ _ENDS = 2  # pictures
 _WAY = 65  # frames of an episode, of which it is kept how far the robot has come
 _MAX_LENGTH = 2**31  # frames of an episode: a sum of lengths that somebody claims must not overflow
 
-
 # Measured from 96 x 96 to 480 x 640: one colour takes 107 to 1,949 bytes as PNG (level 6), and 771 to 5,429 as JPEG;
 # the plainest drawing 492 to 2,726, and 1,317 to 8,710.
 _FLAT = {"png": (300, 450), "jpeg": (700, 171)}

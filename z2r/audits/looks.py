@@ -36,6 +36,7 @@ _SAME_VIEW, _SAME_CELL = 1.5, 16  # what cells differ by, and one of them, when 
 _DARK = 24
 
 _MOSTLY = 0.5  # of the robot's way
+_TINY = 1e-9  # of it
 
 type _Way = tuple[Ints, Floats]
 """At which frames of an episode it is known how far the robot has come, and how far."""
@@ -162,7 +163,7 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, way_of
         flat[row] = glance.spread <= _ONE_COLOUR
         if moves[row] and row in way_of:
             way = np.diff(np.interp(glance.frame, *way_of[row]))
-            share[row] = _longest(way, _is_still(glance.peak)) / way.sum()
+            share[row] = _longest(way, _is_still(glance.peak)) / max(way.sum(), _TINY)
             still[row] = share[row] >= _MOSTLY
             if not still[row]:
                 seconds = float(np.median(np.diff(glance.frame))) / fps
@@ -209,11 +210,11 @@ def _unfit(looks: Mapping[str, Look]) -> Iterator[str]:
         yield f"whether the pictures of {some(names)} go with the motion of the robot: too little of it is seen in them"
 
 
-def _same_views(some: Mapping[int, Glance], others: Mapping[int, Glance], runs: Runs) -> Bools:
+def _same_views(seen: Mapping[int, Glance], others: Mapping[int, Glance], runs: Runs) -> Bools:
     """Tell in which episodes two cameras show the same."""
     same = np.zeros(len(runs.claims.stored.episodes.value.table.number), dtype=bool)
-    for row in some.keys() & others.keys():
-        apart = np.abs(some[row].prints.astype(np.float32) - others[row].prints)
+    for row in seen.keys() & others.keys():
+        apart = np.abs(seen[row].prints.astype(np.float32) - others[row].prints)
         same[row] = apart.mean() <= _SAME_VIEW and apart.max() <= _SAME_CELL
     return same
 
@@ -270,12 +271,8 @@ def _nobody(rows: Bools) -> Suspects:
 
 def _episodes(runs: Runs, wrong: Bools) -> Bools:
     """Tell of each episode of the metadata whether it is one of these runs, and a long one."""
-    found: Bools = np.isin(runs.claims.stored.episodes.value.table.number, _numbers(runs, wrong))
-    return found
-
-
-def _numbers(runs: Runs, wrong: Bools) -> Ints:
-    return runs.number[wrong & (runs.stop - runs.start >= _LONG)]
+    long = runs.stop - runs.start >= _LONG
+    return np.isin(runs.claims.stored.episodes.value.table.number, runs.number[wrong & long])
 
 
 def _seem_still(long: Bools, change: Floats, alike: Bools, little: Floats) -> Bools:

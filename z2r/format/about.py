@@ -5,7 +5,6 @@ unknown, and that is written as None. Where each stands is what lerobot 0.6.1 wr
 `DatasetInfo`; `dataset_metadata.py`: `update_video_info`, and the `tasks` of each episode).
 """
 
-import math
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -22,6 +21,7 @@ from z2r.format.tables import read_tasks
 
 _TEXT = ("string", "language")
 _PICTURES = ("video", "image")
+_MAX_RATE = 1e6  # of pictures a second: beyond, nothing that is recorded makes sense
 _MAX_LINES = 5  # of one kind: a summary is no list
 
 
@@ -187,7 +187,7 @@ def _count(value: Any) -> int | None:
 
 
 def _rate(value: Any) -> float | None:
-    return value if type(value) in (int, float) and value > 0 and math.isfinite(value) else None
+    return value if type(value) in (int, float) and 0 < value <= _MAX_RATE else None
 
 
 def _tasks(root: Path, numbers: Ints) -> tuple[Task, ...] | None:

@@ -22,7 +22,7 @@ from z2r.format.store import check_no_pointer, fault_of, open_mapped
 _UNREADABLE = (pa.ArrowException, OSError, UnicodeDecodeError)
 _NUMERIC = "numbers, one for each frame"
 _MAX_NUMBERS = 2**28  # in one file: 1 GiB of float32
-_MAX_BLOBS, _MAX_BLOB_BYTES = 64, 2**28  # at a time
+_MAX_BLOBS, _MAX_BLOB_BYTES = 64, 2**27  # at a time
 
 
 def open_parquet(path: Path) -> pq.ParquetFile:
