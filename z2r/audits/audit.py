@@ -22,7 +22,7 @@ from z2r.audits.claims import Claims, NoSchema, Stored, claims_under, read_claim
 from z2r.audits.findings import AUDIT, Finding, ask, failed
 from z2r.audits.frames import FileClaims, FileFrames, file_claims, run_stats
 from z2r.audits.labels import Labels, fold_labels, join_labels
-from z2r.audits.readiness import standstill
+from z2r.audits.readiness import fold_idle
 from z2r.audits.runs import FileSums, Runs, join_runs
 from z2r.audits.tasks import fold_tasks
 from z2r.check import SEVERITIES, Check, asked_of, parts_in
@@ -69,7 +69,8 @@ class Audit(msgspec.Struct, frozen=True):
         Which assumption was wrong on purpose.
     kept : tuple of int
         The `episode_index` of every episode that no error is about: what `lerobot-train --dataset.episodes` takes. An
-        error that is about no episode in particular keeps none out.
+        error that is about no episode in particular keeps none out (`of_all`), nor does a warning. LeRobot opens all
+        files below `data`: one that is broken must be moved away all the same.
     readable : bool
         False where `meta/info.json` or all episode metadata cannot be read, so that no frame was looked at.
     """
@@ -202,8 +203,8 @@ def _fold_file(
         number, starts = frames.counts.get("episode_index"), frames.run_starts
         signals = {name: run_stats(signal, starts) for name, signal in frames.signals.items()}
         numbers, scene_sums = None if number is None else number[starts], _fold_scene(scene, frames, reading, findings)
-        said, idle, task_pairs = fold_labels(frames, reading), standstill(frames.signals, starts), fold_tasks(frames)
-        return FileSums(frames.read.n_rows, findings, starts, numbers, signals, said, scene_sums, idle, task_pairs)
+        said, idle, doing = fold_labels(frames, reading), fold_idle(frames), fold_tasks(frames)
+        return FileSums(frames.read.n_rows, findings, starts, numbers, signals, said, scene_sums, idle, doing)
     except Exception as error:
         return FileSums(None, [failed(claims.path.as_posix(), error)], nothing, None, {}, None, None)
 
