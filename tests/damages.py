@@ -354,7 +354,9 @@ def add_feature(root: Path, name: str, value: float) -> None:
 
 def set_tasks(root: Path, *texts: str, of_episode: dict[int, int] | None = None, of_frame: int | None = None) -> None:
     """Let these be the tasks, the first that of every frame but those of some episodes, or of one frame."""
-    pq.write_table(pa.table({"task_index": range(len(texts)), "task": texts}), root / TASKS)
+    import pandas as pd
+
+    pd.DataFrame({"task_index": range(len(texts))}, index=pd.Index(texts, name="task")).to_parquet(root / TASKS)
     edit_info(root, total_tasks=len(texts))
 
     def in_place(frames: Frames, slices: list[slice]) -> None:

@@ -793,5 +793,5 @@ def test_json_is_the_audit_and_nothing_else(kind, code, tmp_path):
     assert told.keys() >= KEYS
     assert told == z2r.audit(root).to_dict("dataset")
     for finding in told["findings"]:
-        assert finding.keys() >= {"check", "severity", "file", "field", "found", "expected", "mend"}
+        assert finding.keys() >= {"check", "severity", "file", "field", "found", "expected", "mend", "episodes"}
         assert finding["severity"] in ("error", "warning", "note")

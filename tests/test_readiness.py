@@ -366,15 +366,15 @@ def test_a_standstill_is_counted_from_both_ends(lengths, moves):
     for start, length in zip(starts.tolist(), lengths, strict=True):
         rows = values[start : start + length].tolist()
         counted.append((rows.count(rows[0]), rows.count(rows[-1])))  # it only ever rises
-    idle = standstill({"action": values[:, None], STATE: np.zeros((n, 2))}, starts)
+    idle = standstill([values, np.zeros(n)], starts)
     assert idle.tolist() == [list(ends) for ends in counted]
 
 
 def test_jitter_is_no_motion_and_a_slow_start_is():
     rng = np.random.default_rng(0)
     moving = np.concatenate([np.zeros(50), np.linspace(0, 100, 100), np.full(30, 100.0)])
-    values = (moving + rng.normal(0, 0.1, len(moving)))[:, None]
-    [[head, tail]] = standstill({STATE: values}, np.array([0]))
+    values = moving + rng.normal(0, 0.1, len(moving))
+    [[head, tail]] = standstill([values], np.array([0]))
     assert 50 <= head <= 55
     assert 30 <= tail <= 35
 

@@ -433,7 +433,8 @@ def audit(
     was not checked.
 
     The exit code is 0 where there is no error and no warning, 1 where there is one, and 2 where the dataset cannot be
-    read. With `--break all` it is 0 whatever is refuted, and 2 where the dataset is not whole.
+    read. A note is good to know before training, and fails nothing. With `--break all` it is 0 whatever is refuted, and
+    2 where the dataset is not whole.
 
     - `z2r audit my_dataset && train my_dataset` trains on nothing that is broken
     - `z2r audit my_dataset --keep good.json`, and `lerobot-train --dataset.episodes="$(cat good.json)" ...` leaves the
@@ -481,7 +482,9 @@ def _write_kept(found: "Audit", path: Path, screen: "Console") -> None:
     path.write_text(f"{[*found.kept]}\n", encoding="utf-8")
     screen.print(f"wrote {path}: {len(found.kept):,} of {count(found.n_episodes, 'episode')}", soft_wrap=True)
     if found.of_all:
-        screen.print(f"errors that are about no episode in particular keep none out: {', '.join(found.of_all)}")
+        screen.print(
+            f"errors that are about no episode in particular keep none out: {', '.join(found.of_all)}", soft_wrap=True
+        )
 
 
 def _audit_beliefs(root: Path, reading: "Reading | None", screen: "Console") -> None:

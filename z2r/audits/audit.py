@@ -26,7 +26,7 @@ from z2r.audits.glances import glance_at, join_filmed
 from z2r.audits.joints import Joints
 from z2r.audits.labels import Labels, fold_labels, join_labels
 from z2r.audits.looks import Looks, looks_of_glances, looks_of_sizes
-from z2r.audits.readiness import standstill
+from z2r.audits.readiness import fold_idle
 from z2r.audits.runs import FileSums, Runs, join_runs
 from z2r.audits.steps import moves, run_steps
 from z2r.audits.tasks import fold_tasks
@@ -76,7 +76,8 @@ class Audit(msgspec.Struct, frozen=True):
         Which assumption was wrong on purpose.
     kept : tuple of int
         The `episode_index` of every episode that no error is about: what `lerobot-train --dataset.episodes` takes. An
-        error that is about no episode in particular keeps none out.
+        error that is about no episode in particular keeps none out (`of_all`), nor does a warning. LeRobot opens all
+        files below `data`: one that is broken must be moved away all the same.
     readable : bool
         False where `meta/info.json` or all episode metadata cannot be read, so that no frame was looked at.
     """
@@ -238,7 +239,7 @@ def _fold_file(
             following=fold_following(pairs, signals, starts),
             labels=fold_labels(frames, reading),
             scene=_fold_scene(scene, frames, reading, findings),
-            idle=standstill(signals, starts),
+            idle=fold_idle(frames),
             tasks=fold_tasks(frames),
             images=sum_images(images),
             way=sum_way(frames),

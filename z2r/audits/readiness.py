@@ -3,14 +3,15 @@
 Nothing here is broken: much of it is meant to be so, and is said as a note.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from types import MappingProxyType
 
 import numpy as np
 
-from z2r.arrays import Columns, Ints
+from z2r.arrays import Array, Ints
 from z2r.audits import edit
 from z2r.audits.claims import Claims
+from z2r.audits.frames import FileFrames
 from z2r.audits.runs import Runs
 from z2r.check import Answer, Check
 from z2r.errors import Fault, count, some
@@ -33,10 +34,11 @@ def policy_features(claims: Claims) -> Iterator[Answer]:
     names = [name for name in claims.schema.features if name not in BOOKKEEPING]
     mend = "LeRobot 0.6.1 has no operation that renames a feature: record or convert it again, under that name"
     if ACTION not in names:
-        yield Fault(INFO_PATH, "features", f"{some(names)}", "an action, which is what a policy learns", mend)
+        found = some([name for name in names if ACTION in name] or names)
+        yield Fault(INFO_PATH, "features", found, "an action, which is what a policy learns", mend)
     if not any(is_for_a_policy(name) and name != ACTION for name in names):
         expected = "something that is observed, as observation.state or observation.images.NAME"
-        yield Fault(INFO_PATH, "features", f"{some(names)}", expected, mend)
+        yield Fault(INFO_PATH, "features", some(names), expected, mend)
 
 
 @Check("constant", "what a policy sees and does changes, unless it is meant to stay", "note").of(Runs)
@@ -109,24 +111,31 @@ def chunk(claims: Claims) -> Iterator[Answer]:
         yield Fault(DATA_DIR, episodes, "; ".join(said), "episodes into which a chunk fits", mend, named)
 
 
-def standstill(signals: Columns, starts: Ints) -> Ints | None:
-    """Count the frames in which nothing moves, in the beginning and in the end of each run, int64[n_runs, 2].
+def fold_idle(frames: FileFrames) -> Ints | None:
+    """Count the frames of each run in which nothing moves, int64[n_runs, 2]: in the beginning, and in the end.
 
-    Nothing moves where state and action both stay within a twentieth of their standard deviation in this file. None
-    where there is neither.
+    None where there is neither a state nor an action, or one of them cannot be read.
     """
-    columns = [column for name in (STATE, ACTION) if name in signals for column in signals[name].T]
-    if not columns:
+    names = [name for name in (STATE, ACTION) if name in frames.schema.signals()]
+    if not names or any(name not in frames.signals for name in names):
         return None
+    return standstill([column for name in names for column in frames.signals[name].T], frames.run_starts)
+
+
+def standstill(columns: Sequence[Array], starts: Ints) -> Ints:
+    """Count the frames in which no column is away from where its run begins, and ends, int64[n_runs, 2].
+
+    Away is what is further off than a twentieth of the standard deviation of the column, over all runs.
+    """
     n = len(columns[0])
     stops = np.append(starts[1:], n)
-    moved = np.zeros((2, n), dtype=bool)  # away from where it begins; away from where it ends
+    away = np.zeros((2, n), dtype=bool)
     for column in columns:
         values = column.astype(np.float64)
         reach = _STILL * values.std()
         for side, place in enumerate((starts, stops - 1)):
-            moved[side] |= np.abs(values - np.repeat(values[place], stops - starts)) > reach
+            away[side] |= np.abs(values - np.repeat(values[place], stops - starts)) > reach
     row = np.arange(n)
-    first = np.minimum.reduceat(np.where(moved[0], row, n), starts)
-    last = np.maximum.reduceat(np.where(moved[1], row, -1), starts)
+    first = np.minimum.reduceat(np.where(away[0], row, n), starts)
+    last = np.maximum.reduceat(np.where(away[1], row, -1), starts)
     return np.stack([np.minimum(first, stops) - starts, stops - 1 - np.maximum(last, starts - 1)], axis=1)

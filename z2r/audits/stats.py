@@ -25,7 +25,7 @@ STATS = Check(
     "stats", "the stored statistics are those of the data, so that a policy sees it in the right size", "warning"
 )
 
-EPS = 1e-8  # what LeRobot adds to a std
+_EPS = 1e-8  # what LeRobot adds to a std
 # How far off what a policy sees is, of a std of 1, or of the range from -1 to 1: more than it should be; without any
 # statistics; so far that nothing is learnt.
 _FAR, _MISSING, _RUINED = 0.1, 1.0, 100.0
@@ -182,11 +182,11 @@ def _off(kind: str, said: Statistics, true: Statistics, moves: Bools) -> Floats:
     if kind == "count":
         return np.zeros(1)
     if kind == "std":
-        ratio = (said["std"] + EPS) / true["std"]
+        ratio = (said["std"] + _EPS) / true["std"]
         return np.where(moves, np.where(ratio > 0, np.maximum(ratio, 1 / ratio) - 1, np.inf), 0)
-    unit: Floats = np.maximum(np.abs(said["max"] - said["min"]), EPS) / 2
+    unit: Floats = np.maximum(np.abs(said["max"] - said["min"]), _EPS) / 2
     if kind == "mean":
-        unit = np.where(moves, true["std"], np.abs(said["std"]) + EPS)
+        unit = np.where(moves, true["std"], np.abs(said["std"]) + _EPS)
     off: Floats = np.abs(said[kind] - true[kind]) / unit
     return off
 
@@ -201,10 +201,10 @@ def _effect(kind: str, column: int, said: Statistics, true: Statistics, off: flo
     if kind == "std":
         if not moves[column]:
             return "It does no harm: nothing moves there"
-        ratio = (said["std"][column] + EPS) / true["std"][column]
+        ratio = (said["std"][column] + _EPS) / true["std"][column]
         size = f"{1 / ratio:.3g} times too large" if abs(ratio) < 1 else f"{ratio:.3g} times too small"
         return f"A policy sees it {size}"
-    low, width = said["min"][column], max(said["max"][column] - said["min"][column], EPS)
+    low, width = said["min"][column], max(said["max"][column] - said["min"][column], _EPS)
     ends = [2 * (true[end][column] - low) / width - 1 for end in ("min", "max")]
     return "Scaled by min and max, as for Diffusion, it goes from {:.3g} to {:.3g}, and not from -1 to 1".format(*ends)
 
