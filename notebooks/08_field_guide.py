@@ -445,7 +445,8 @@ for belief in z2r.audit_beliefs(root).beliefs:
     print(f"{belief.mode:22} {belief.verdict:15}", *belief.refuted_by)
 
 # %% [markdown]
-# The lines to remember are those that say *not refuted*. Whoever believes that is never told by the data.
+# The lines to remember are those that say *not refuted*. Whoever believes that is never told by the data. `no-wrap`
+# sleeps here, and `degrees-for-radians` does not.
 #
 # ## All of them
 #

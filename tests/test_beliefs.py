@@ -3,9 +3,9 @@
 import json
 import subprocess
 import sys
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from io import StringIO
-from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
@@ -34,6 +34,9 @@ REFUTED = {  # on PushT with the verdict beside it, and a check that says so
 NOT_REFUTED = {"no-wrap"}
 
 
+type Robot = tuple[z2r.Dataset, z2r.Reading]
+
+
 def by_mode(beliefs: Beliefs) -> dict[str, Belief]:
     return {belief.mode: belief for belief in beliefs.beliefs}
 
@@ -44,13 +47,16 @@ def standin() -> Beliefs:
 
 
 @pytest.fixture(scope="module")
-def labelled_arm(tmp_path_factory: pytest.TempPathFactory) -> tuple[z2r.Dataset, z2r.Reading]:
+def labelled_arm(tmp_path_factory: pytest.TempPathFactory) -> Robot:
     """The arm, with a column that says where the gripper closed."""
-    folder = tmp_path_factory.mktemp("arm")
+    return label(tmp_path_factory.mktemp("arm"), ARM_REACHED)
+
+
+def label(folder: Path, reached: Sequence[bool]) -> Robot:
     dataset, reading = write_arm(folder)
     frames = {name: dataset.read(name) for name in ("observation.state", "action")}
     success = np.zeros(len(frames["action"]), dtype=bool)
-    success[dataset.episodes.to_index - 1] = ARM_REACHED
+    success[dataset.episodes.to_index - 1] = reached
     features = {name: json.loads((dataset.root / "meta/info.json").read_text())["features"][name] for name in frames}
     features |= {"next.success": {"dtype": "bool", "shape": [1], "names": None}} | BOOKKEEPING
     lengths = dataset.episodes.lengths.tolist()
@@ -95,6 +101,14 @@ def test_a_label_refutes_what_the_frames_cannot(labelled_arm):
     assert beliefs["yaw-swap"].verdict == beliefs["quaternion-order"].verdict == "does not apply"
 
 
+def test_a_note_refutes_nothing(tmp_path):
+    """A label that was never filled in is a note, whatever the reading says; other episodes make no other of it."""
+    found = z2r.audit_beliefs(*label(tmp_path, [False] * 5))
+    assert {finding.severity for finding in found.as_it_is.findings} == {"note"}
+    assert found.found_anyway == ()
+    assert by_mode(found)["gripper-inverted"].verdict == "not refuted"
+
+
 def test_what_is_wrong_anyway_refutes_nothing(standin_copy):
     """Its timestamps are wrong whatever is believed; three times as many frames a second make them wrong once more."""
     edit_column(standin_copy, "data/chunk-000/file-000.parquet", "timestamp", set_at(100, 99.0))
@@ -122,14 +136,22 @@ def test_of_what_is_not_whole_nobody_can_say_what_is_believed(standin_copy):
         z2r.audit_beliefs(standin_copy / "nowhere")
 
 
-def test_it_says_how_far_it_is_and_runs_where_it_is_told(labelled_arm, standin):
+def test_it_says_how_far_it_is_and_runs_where_it_is_told(labelled_arm):
     told: list[tuple[int, int]] = []
-    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as processes:
-        found = z2r.audit_beliefs(*labelled_arm, lambda *done: told.append(done), processes)
-        assert processes.submit(int).result() == 0  # it is not shut down
-    assert found == z2r.audit_beliefs(*labelled_arm)
+    files: list[object] = []
+
+    class Counted(ThreadPoolExecutor):
+        def submit(self, function, /, *args, **options):
+            files.append(args)
+            return super().submit(function, *args, **options)
+
+    with Counted(2) as threads:
+        found = z2r.audit_beliefs(*labelled_arm, lambda *done: told.append(done), threads)
+        assert threads.submit(int).result() == 0  # it is not shut down
     n_audits = 1 + sum(not belief.lacking for belief in found.beliefs)
     assert told == [(done, n_audits) for done in range(1, n_audits + 1)]
+    assert len(files) == n_audits + 1  # there is one data file
+    assert found == z2r.audit_beliefs(*labelled_arm)
 
 
 def test_the_dataset_is_never_written_to(labelled_arm):

@@ -13,6 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from layouts import BOOKKEEPING, Layout, restate, write_dataset
+from msgspec.structs import replace
 from robots import JOINTS, write_arm, write_hand
 from test_replay import read_rows, values
 
@@ -282,6 +283,12 @@ def test_an_action_that_lags_is_that_of_the_next_frame_of_its_episode(dataset):
         np.testing.assert_array_equal(late[dataset.episodes[episode]], np.concatenate([own[1:], own[-1:]]))
 
 
+def test_a_reading_may_say_that_actions_are_stored_late_and_is_refuted_alike(dataset):
+    late = replace(PUSHT, action=replace(PUSHT.action, lag=1))
+    lags = z2r.break_mode("action-lag")
+    assert z2r.audit(dataset, None, late).findings == z2r.audit(dataset, lags).findings != z2r.audit(dataset).findings
+
+
 def test_changes_add_up_from_where_an_episode_begins(arm):
     dataset, _ = arm
     stored, targets = taken(arm, "delta-for-absolute", ACTION)
@@ -368,6 +375,16 @@ def test_the_columns_of_a_mode_are_named_as_a_reading_names_them(arm, hand):
     assert z2r.break_mode("joints-exchanged").columns(arm[0].schema, arm[1]) == JOINTS[:2]
     assert z2r.break_mode("delta-for-absolute").columns(hand[0].schema, hand[1]) == ("action/go.x", "action/go.y")
     assert z2r.break_mode("yaw-swap").columns(hand[0].schema, hand[1]) == ()
+
+
+def test_a_gripper_is_no_angle_and_the_one_of_the_action_is_not_of_the_state(arm):
+    dataset, reading = arm
+    assert z2r.break_mode("wrong-angle-unit").columns(dataset.schema, None) == JOINTS[:5]
+    limits = {f"action/{JOINTS[5]}": ColumnMeaning(low=0, high=100), JOINTS[4]: ColumnMeaning(low=-180, high=180)}
+    both = Reading(columns=reading.columns | limits)
+    assert z2r.break_mode("gripper-inverted").columns(dataset.schema, both) == JOINTS[5:]
+    half = Reading(columns={JOINTS[5]: ColumnMeaning(low=0)})
+    assert z2r.break_mode("gripper-inverted").columns(dataset.schema, half) == ()
 
 
 @pytest.mark.parametrize("mode", COLUMN_MODES)
