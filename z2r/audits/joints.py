@@ -8,6 +8,7 @@ import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from z2r.errors import Fault, count
 from z2r.format.episodes import DATA_DIR
 from z2r.format.schema import ACTION
 from z2r.reading.action import unit_of
+from z2r.reading.joints import is_gripper
 from z2r.reading.stored import episodes_named
 
 _LITTLE = 0.05  # of a command's range: a shorter way tells nothing
@@ -59,6 +61,11 @@ class Joints:
     number: Ints
     runs: Following
     ranges: Floats
+
+    @cached_property
+    def grips(self) -> Bools:
+        """Which columns are called a gripper, bool[n_pairs]."""
+        return np.array([is_gripper(pair.name) for pair in self.pairs], dtype=bool)
 
     @cached_property
     def judged(self) -> Bools:
@@ -170,8 +177,10 @@ def joints_have_the_unit_of_their_command(joints: Joints) -> Iterator[Answer]:
             expected,
             mend,
         )
-        is_fault = not geared[pair] and others and unit_of(factor) and (factor > 0 or factor > -_SCALE)
-        yield fault if is_fault else ("note", fault)
+        is_fault = not plain[pair] and others and unit_of(factor) and (factor > 0 or factor > -_SCALE)
+        far = factor < 0 or not _near(factor, 1.0, _FAR)  # what no grip explains
+        if is_fault or far or (usual["explained"][pair] > _VERY_WELL and not joints.grips[pair]):
+            yield fault if is_fault else ("note", fault)
 
 
 @UNIT.of(Joints)
@@ -184,8 +193,10 @@ def joints_keep_their_unit(joints: Joints) -> Iterator[Answer]:
     far = (apart > np.log(_SCALE)) | (runs.factor * usual["factor"] < 0)
     stray = _median(apart, known & ~far)
     well = runs.explained > _VERY_WELL
-    wrong = known & (far & ((runs.explained > _WELL) | (apart > np.log(_FAR))))
-    wrong |= known & well & (runs.kind == 0) & (apart > np.log(_SCALE_WELL)) & (apart > _STRAY * stray)
+    # A gripper is held back by what it grips, in one episode more than in another: only a far factor says something.
+    free = (usual["explained"] > _VERY_WELL) & ~joints.grips
+    wrong = known & far & ((free & (runs.explained > _WELL)) | (apart > np.log(_FAR)))
+    wrong |= known & well & free & (runs.kind == 0) & (apart > np.log(_SCALE_WELL)) & (apart > _STRAY * stray)
 
     def said(run: int, pair: int) -> tuple[str, str, str]:
         found = f"{_factor(runs.factor[run, pair])} for 1 of {joints.pairs[pair].name}"
@@ -401,10 +412,9 @@ def _in_episodes(what: str, numbers: Ints, found: str, expected: str, mend: str)
     return Fault(DATA_DIR, f"{what} in {episodes_named(episodes)}", found, expected, mend, episodes)
 
 
-def _near(factor: Floats, other: float, times: float) -> Bools:
+def _near(factor: Any, other: float, times: float) -> Any:
     """Say where a factor is within so many times of another one."""
-    near: Bools = (factor > other / times) & (factor < other * times)
-    return near
+    return (factor > other / times) & (factor < other * times)
 
 
 def _median(values: Floats, where: Bools) -> Floats:
