@@ -17,7 +17,7 @@ from z2r.audits.following import MIN_FRAMES, Following, Pair
 from z2r.check import Answer, Check
 from z2r.errors import Fault, count
 from z2r.format.episodes import DATA_DIR
-from z2r.format.schema import ACTION
+from z2r.format.schema import ACTION, STATE
 from z2r.reading.action import unit_of
 from z2r.reading.joints import is_gripper
 from z2r.reading.stored import episodes_named
@@ -327,7 +327,7 @@ def joints_follow_all_the_time(joints: Joints) -> Iterator[Answer]:
         share = runs.beside / runs.asked  # who goes far at once is far behind for a while
     calm = _median(share, known)
     wrong = known & (share > _BESIDE_FOR_A_WHILE * calm) & (runs.beside > _BESIDE * joints.ranges)
-    wrong &= (known.sum(axis=0) >= 3) & (wrong.sum(axis=0) < 0.6 * known.sum(axis=0))
+    wrong &= (known.sum(axis=0) >= max(3, 0.5 * len(known))) & (wrong.sum(axis=0) < 0.6 * known.sum(axis=0))
 
     def said(run: int, pair: int) -> tuple[str, str, str]:
         where = f"{joints.pairs[pair].name} from frame {runs.beside_at[run, pair]:.0f} on"
@@ -382,11 +382,11 @@ def commands_are_no_copies(joints: Joints) -> Iterator[Answer]:
         usual = float(np.quantile(least, 0.5, method="lower"))
         if usual > 1 - _COPIED and what == "in the same frame":
             mend = "A policy learns to stay where it is: the command was not recorded"
-            yield Fault(DATA_DIR, ACTION, f"the state {what}, bit for bit", "a command, which comes before it", mend)
+            yield Fault(DATA_DIR, ACTION, f"{STATE} {what}, bit for bit", "a command, which comes before it", mend)
         wrong = least > _COPIED if usual < _COPIED / 3 else least < -1
         if wrong.any():
             numbers = joints.number[moves][wrong].tolist()
-            found = f"the state {what}, bit for bit, in {least[wrong].max():.0%} of the frames in which it changes"
+            found = f"{STATE} {what}, bit for bit, in {least[wrong].max():.0%} of the frames in which it changes"
             mend = "Was the robot led by hand there, or was no command recorded?"
             where = f"{ACTION} in {episodes_named(numbers)}"
             yield Fault(DATA_DIR, where, found, "a command, as in the other episodes", mend, episodes=tuple(numbers))

@@ -1,5 +1,6 @@
 """Which task is an episode of, and on which side of a split? The texts, who has them, and the splits that are named."""
 
+import difflib
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
@@ -21,6 +22,9 @@ from z2r.format.tables import TASKS_PATH
 from z2r.reading.stored import episodes_named
 
 _IN_PLACE = "in the folder itself, where each episode then has one task"
+_MAX_COMPARED = 200  # texts, each with each
+_SLIP = 0.93  # alike
+_SLIP_OF_A_WORD = 0.75
 _MAX_TEXT = 60  # characters of a text that are shown
 
 
@@ -46,6 +50,26 @@ def task_text(claims: Claims) -> Iterator[Answer]:
             found = f"{_shown(text[row])}{and_more(len(repeated))}"
             expected = f"another text than task {number[first]} has, {_shown(text[first])}"
             yield severity, Fault(TASKS_PATH, f"task {number[row]}", found, expected, mend)
+
+
+@Check("task-typo", "no text of a task is left from an example, or nearly that of another task", "note").of(Claims)
+def task_typo(claims: Claims) -> Iterator[Answer]:
+    """Is a text a placeholder, or so near to another one that it may be a slip of the pen?"""
+    tasks = claims.stored.tasks.value
+    if tasks is None:
+        return
+    for number, text in zip(tasks.number.tolist(), tasks.text, strict=True):
+        if re.fullmatch(r"\s*[<\[{].*[>\]}]\s*|(todo|task|test|dummy|placeholder)[ _]?\d*", text, re.IGNORECASE):
+            yield Fault(
+                TASKS_PATH, f"task {number}", _shown(text), "what the robot is to do", "A policy may be told it"
+            )
+    if len(tasks.text) > _MAX_COMPARED:
+        return
+    for row, text in enumerate(tasks.text):
+        for other in range(row):
+            if _is_a_slip(text, tasks.text[other]):
+                expected = f"the same as task {tasks.number[other]}, {_shown(tasks.text[other])}, or a text of its own"
+                yield Fault(TASKS_PATH, f"task {tasks.number[row]}", _shown(text), expected, "Is one of them misspelt?")
 
 
 @Check("task-unused", "every task is one that some frame has", "note").of(Runs)
@@ -105,11 +129,13 @@ def splits(claims: Claims) -> Iterator[Answer]:
     ranges: dict[str, slice] = {}
     for name, split in stated.items():
         ends = re.fullmatch(r"(\d{1,18}):(\d{1,18})", split, re.ASCII)
-        if ends and int(ends[1]) <= int(ends[2]) <= len(numbers):
-            ranges[name] = slice(int(ends[1]), int(ends[2]))
-        else:
+        if not ends or not int(ends[1]) <= int(ends[2]) <= len(numbers):
             expected = f"a range of episodes within 0:{len(numbers)}"
             yield Fault(INFO_PATH, f"splits.{name}", repr(split[:60]), expected)
+            continue
+        ranges[name] = slice(int(ends[1]), int(ends[2]))
+        if ends[1] == ends[2]:
+            yield "note", Fault(INFO_PATH, f"splits.{name}", repr(split), "a split with an episode in it")
     times = np.zeros(len(numbers), dtype=np.int64)
     for each in ranges.values():
         times[each] += 1
@@ -151,6 +177,18 @@ def _tasks_of_episodes(runs: Runs) -> Iterator[_Tasks]:
         for episode, named in tasks_of_episodes(runs.claims.root / shard):
             if episode in seen:
                 yield _Tasks(episode, named, seen[episode])
+
+
+def _is_a_slip(one: str, other: str) -> bool:
+    """Tell whether two texts differ in letters, and not in a number, a case, or a word of its own."""
+    plain = [" ".join(each.split()).casefold() for each in (one, other)]
+    if plain[0] == plain[1] or re.sub(r"\d+", "", plain[0]) == re.sub(r"\d+", "", plain[1]):
+        return False
+    words, others = (set(each.split()) for each in plain)
+    odd = sorted(words - others), sorted(others - words)
+    if [len(each) for each in odd] != [1, 1] or difflib.SequenceMatcher(None, plain[0], plain[1]).ratio() < _SLIP:
+        return False
+    return difflib.SequenceMatcher(None, odd[0][0], odd[1][0]).ratio() > _SLIP_OF_A_WORD
 
 
 def _repeated(texts: Sequence[str]) -> dict[int, int]:
