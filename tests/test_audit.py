@@ -198,8 +198,8 @@ def test_nothing_is_said_of_columns_that_stand_still_as_lerobot_sums_them_up(n_f
     features = {name: {"dtype": "float32", "shape": still.shape, "names": None} for name in (STATE, "action")}
     where = {"repo_id": "test/test", "root": tmp_path / "dataset", "video_backend": "pyav"}
     dataset = LeRobotDataset.create(**where, fps=30, features=features, use_videos=False)
-    for _ in range(2):
-        for _ in range(n_frames):
+    for length in (n_frames, n_frames + 1):  # two of one length would be one demonstration twice
+        for _ in range(length):
             dataset.add_frame({STATE: still, "action": still, "task": "test"})
         dataset.save_episode()
     dataset.finalize()
