@@ -41,6 +41,7 @@ SILENT: dict[str, set[str]] = {
     "copy-shifted": {"one"},
     "copy-resampled": {"one"},
     "task-of-one": {"one"},
+    "done-never": {"half", "one"},  # as in an episode that was cut off
     "success-without-reward": {"one"},
 }
 
