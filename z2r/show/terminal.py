@@ -18,7 +18,7 @@ from rich.text import Text
 
 from z2r.audits.edit import PROGRAM
 from z2r.audits.findings import Finding
-from z2r.check import Severity
+from z2r.check import SEVERITIES, Severity
 from z2r.errors import count, printable, short, some
 from z2r.format.about import About
 from z2r.format.schema import Schema
@@ -87,14 +87,15 @@ def _about(about: About) -> Table:
 
 
 def audit_report(audit: "Audit", title: str) -> RenderableType:
-    """Return the findings of an audit, and what nobody looked at, ready to print."""
+    """Return the findings of an audit, the worst first, and what nobody looked at, ready to print."""
     head = Text.assemble(
         (printable(title), "bold"),
         f"  {count(audit.n_episodes, 'episode')}, {count(audit.n_frames, 'frame')}"
         if audit.readable
         else "  cannot be read",
     )
-    findings = [part for finding in audit.findings for part in (Text(), _finding(finding))]
+    worst_first = sorted(audit.findings, key=lambda finding: SEVERITIES.index(finding.severity))
+    findings = [part for finding in worst_first for part in (Text(), _finding(finding))]
     left_out = [Text(f"{check}: {number:,} more like these", style="dim") for check, number in audit.more.items()]
     not_checked = [Text(f"not checked: {printable(what)}", style="dim") for what in audit.not_checked]
     return Group(head, *findings, Text(), *left_out, _verdict(audit), *not_checked)
