@@ -70,7 +70,7 @@ from z2r.format.tables import EPISODE_COLUMNS
 from z2r.pusht import checks as checks_module
 from z2r.pusht.scene import SCENE, PushTScene
 from z2r.pusht.task import ACTION_NAMES
-from z2r.pusht.verdict import verdict_path
+from z2r.reading.verdict import verdict_path
 
 pytestmark = pytest.mark.filterwarnings("error")  # a warning of numpy would end up on the screen
 

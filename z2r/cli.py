@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple, NoReturn
 
 import rich_click as click
 
-from z2r.data import SHIPPED, find_dataset
+from z2r.data import MESSY, STANDIN, find_dataset
 from z2r.errors import DatasetError, Fault, MissingExtraError, count
 from z2r.format.store import folder_name
 from z2r.pusht.task import DEMO_NOISE, MAX_STEPS
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from z2r.format.schema import Schema
     from z2r.reading.inspection import Inspection
     from z2r.reading.reading import Reading
+    from z2r.reading.verdict import Recording
 
 _SMOKE_STEPS = 40
 _SHIPPED_EPISODES = 6
@@ -170,8 +171,8 @@ def inspect(
     """Say what is in a dataset: what a frame is, where episodes end, how many reached the target.
 
     DATASET is the folder of a LeRobot v3 dataset, or the name of one that comes with the package: `standin` (read
-    where none is named) or `messy`; or `user/name` as on the hub, where it was downloaded before: `z2r ls` lists them.
-    It is never written to, and nothing is fetched.
+    where none is named), `messy` or `arm`; or `user/name` as on the hub, where it was downloaded before: `z2r ls` lists
+    them. It is never written to, and nothing is fetched.
 
     A dataset seldom stores success. It is reconstructed from the last stored frame of each episode, by a reading: which
     column means what, and what counts as reached.
@@ -180,7 +181,7 @@ def inspect(
     - `z2r inspect --break yaw-swap` reads it wrong, to show what that looks like
     - `rerun z2r-out/inspect.rrd` replays what was read
     """
-    from z2r.show.terminal import console
+    from z2r.show.terminal import console, graded
 
     with_replay = _can_replay(rerun, otherwise=not (smoke or as_json))
     wanted = _Wanted(episodes or _SHIPPED_EPISODES, seed or 0, _SMOKE_STEPS if smoke else MAX_STEPS)
@@ -194,8 +195,13 @@ def inspect(
     screen = console(as_json)
     with _way_out(root, salvaged=salvage):
         inspection = _inspect(_first(data, episodes), reading, mode, screen, with_replay=with_replay)
-    metrics = _write_metrics(inspection, title, root, out, lost if salvage else None)
+    recording, no_verdict = _read_verdict(root)
+    metrics = _write_metrics(inspection, title, recording, out, lost if salvage else None)
     _say_what_was_found(screen, inspection, title, lost if salvage else None, given=reading is not None)
+    if recording:
+        screen.print(graded(inspection, recording))
+    if no_verdict:
+        screen.print(no_verdict, style="yellow", soft_wrap=True)
     screen.print(f"wrote {out / 'metrics.json'}", soft_wrap=True)
     if with_replay:
         _write_replay(inspection, out / "inspect.rrd", screen)
@@ -233,6 +239,16 @@ def _say_what_was_found(
     screen.print(summary(inspection, title, given))
     if lost is not None:
         screen.print(left_out(lost))
+
+
+def _read_verdict(root: Path) -> "tuple[Recording | None, str]":
+    """Read the verdict beside a dataset, or say why it cannot be read: who only wants the dataset needs none."""
+    from z2r.reading.verdict import read_verdict
+
+    try:
+        return read_verdict(root), ""
+    except DatasetError as error:
+        return None, f"verdict: it cannot be read. {error}"
 
 
 def _refuse_inside(root: Path, out: Path, option: str = "--out") -> None:
@@ -318,18 +334,16 @@ def _first(dataset: "Dataset", n_episodes: int | None) -> "Dataset":
         return dataset
     if n_episodes > (there := len(dataset.episodes)):
         more = f". To record {n_episodes}: z2r inspect --seed 0 --episodes {n_episodes}"
-        advice = more if dataset.root in SHIPPED.values() else ""
+        advice = more if dataset.root in (STANDIN, MESSY) else ""
         raise click.UsageError(f"--episodes: found {n_episodes} asked for, expected at most {there:,}{advice}")
     return dataset.first(n_episodes)
 
 
 def _write_metrics(
-    inspection: "Inspection", title: str, root: Path, out: Path, left_out: tuple[str, ...] | None
+    inspection: "Inspection", title: str, recording: "Recording | None", out: Path, left_out: tuple[str, ...] | None
 ) -> bytes:
-    from z2r.pusht.verdict import read_verdict
     from z2r.reading.inspection import metrics_json
 
-    recording = read_verdict(root)
     numbers = inspection.metrics(title, recording.episodes[0].seed if recording else None)
     if left_out is not None:
         episodes_read = range(len(inspection.episodes))
@@ -629,7 +643,7 @@ def _record_afresh(out: Path, wanted: _Wanted, *, quiet: bool) -> Path:
 @contextlib.contextmanager
 def _replacing_a_recording(root: Path) -> Iterator[None]:
     """Make way for a new recording; the one that is there comes back if no new one comes about."""
-    from z2r.pusht.verdict import read_verdict, verdict_path
+    from z2r.reading.verdict import read_verdict, verdict_path
 
     verdict = verdict_path(root)
     if read_verdict(root) is None:

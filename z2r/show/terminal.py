@@ -24,6 +24,8 @@ from z2r.format.about import About
 from z2r.format.schema import Schema
 from z2r.reading.breaks import BreakMode
 from z2r.reading.inspection import Inspection
+from z2r.reading.stored import StoredSuccess
+from z2r.reading.verdict import Recording, verdict_path
 from z2r.show import wallclock
 from z2r.show.listing import Listed
 
@@ -319,6 +321,23 @@ def _stored(inspection: Inspection) -> Iterator[Text]:
         yield Text(f"reached and stored: {inspection.agreement}", style="dim")
     if inspection.stored_note:
         yield Text(f"stored: {inspection.stored_note}", style="yellow")
+
+
+def graded(inspection: Inspection, recording: Recording) -> Text:
+    """Say which episodes the verdict beside a dataset calls a success, and whether the reading agrees."""
+    success = recording.success_of(inspection.episodes)
+    if success is None:
+        frames = sum(each.n_frames for each in recording.episodes)
+        of_others = f"{count(len(recording.episodes), 'episode')} with {count(frames, 'frame')}"
+        return Text(f"verdict: it is of others, {of_others}, and is not compared", style="yellow")
+    verdict = StoredSuccess(printable(verdict_path(inspection.dataset.root).name), success, success)
+    said = Text.assemble(
+        ("verdict: ", "bold"), (f"success in {verdict.says}", "bold green" if success.all() else "bold yellow")
+    )
+    if inspection.outcome:
+        agreement = verdict.agreement(inspection.outcome.reached, inspection.episodes)
+        said.append(f"\nreached and verdict: {agreement}", "dim")
+    return said
 
 
 def console(quiet: bool = False) -> Console:
