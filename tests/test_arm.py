@@ -136,8 +136,8 @@ def test_inspect_says_that_they_agree_and_without_a_goal_what_the_verdict_is(goa
 
 
 def test_nothing_is_wrong_with_it(goal):
-    assert z2r.audit("arm").findings == ()
-    assert z2r.audit("arm", reading=z2r.read_reading(goal)).findings == ()
+    for reading in (None, z2r.read_reading(goal)):
+        assert [each for each in z2r.audit("arm", reading=reading).findings if each.severity != "note"] == []
 
 
 def test_every_joint_is_the_target_of_its_own(arm):

@@ -149,7 +149,8 @@ def no_episode_is_noisier(runs: Runs) -> Iterator[Answer]:
         wrong = long & (size > _NOISE * usual) & (usual > 0) & (size > _TICK * runs.spans(name))
         wrong &= _quarter(_leap_ratio(runs, name)) < _SMOOTH
         wrong &= steps.repeated < _SOME_REPEATED * runs.n_frames[:, None]
-        wrong &= _continuous(runs, name) & (alternates | (rough > _ROUGH * _median(rough)))
+        trembles = (rough > _ROUGH * _median(rough)) & (name in (STATE, ACTION))  # what is pushed or dropped may do so
+        wrong &= _continuous(runs, name) & (alternates | trembles)
         if wrong.any():
             run, column = _worst(wrong, size / np.maximum(usual, 1e-300))
             found = f"noise of about {size[run, column]:.3g}{_so_in(wrong[run])}"
