@@ -8,6 +8,7 @@ from .api import write_replay as write_replay
 from .api import write_report as write_report
 from .audits.audit import Audit as Audit
 from .data import ARM as ARM
+from .data import ARM as ARM
 from .data import MESSY as MESSY
 from .data import STANDIN as STANDIN
 from .errors import DatasetError as DatasetError
