@@ -11,7 +11,6 @@ from .audits.audit import Audit as Audit
 from .audits.beliefs import Belief as Belief
 from .audits.beliefs import Beliefs as Beliefs
 from .data import ARM as ARM
-from .data import ARM as ARM
 from .data import MESSY as MESSY
 from .data import STANDIN as STANDIN
 from .errors import DatasetError as DatasetError
