@@ -63,6 +63,7 @@ def test_subtasks_that_lerobot_records_are_a_note(tmp_path):
         ((PUSH, PUSH.capitalize()), "note"),
         ((PUSH, PUSH.replace(" ", "\n")), "note"),
         ((PUSH, ""), "warning"),
+        (("", ""), "warning"),
         (("\u2003", PUSH), "warning"),
         ((PUSH, "push the L onto the target"), None),
     ],

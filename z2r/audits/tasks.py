@@ -42,7 +42,7 @@ def task_text(claims: Claims) -> Iterator[Answer]:
         found = f"{text[empty[0]]!r}{and_more(len(empty))}"
         yield Fault(TASKS_PATH, f"task {number[empty[0]]}", found, "what the robot is to do", mend)
     same = _repeated(text)
-    alike = {row: first for row, first in _repeated(plain).items() if plain[row] and row not in same}
+    alike = {row: first for row, first in _repeated(plain).items() if row not in same}
     severities: tuple[tuple[Severity, dict[int, int]], ...] = (("warning", same), ("note", alike))
     for severity, repeated in severities:
         for row, first in [*repeated.items()][:1]:
@@ -190,9 +190,10 @@ def _is_a_slip(one: str, other: str) -> bool:
 
 
 def _repeated(texts: Sequence[str]) -> dict[int, int]:
-    """Find the rows whose text an earlier one has: which it is, by the row that has it again."""
+    """Find the rows whose text an earlier one has: which it is, by the row that has it again; none without a text."""
     first: dict[str, int] = {}
-    return {row: before for row, text in enumerate(texts) if (before := first.setdefault(text, row)) != row}
+    said = ((row, text) for row, text in enumerate(texts) if text.strip())
+    return {row: before for row, text in said if (before := first.setdefault(text, row)) != row}
 
 
 def _numbers(tasks: Iterable[_Tasks]) -> tuple[int, ...]:
