@@ -130,6 +130,9 @@ class _AuditCommand(click.RichCommand):
     help="Read the first N episodes only; with `--seed` or `--smoke`, record N.",
 )
 @click.option(
+    "--episode", type=click.IntRange(min=0), metavar="N", help="Show episode N in `inspect.rrd`, and no other."
+)
+@click.option(
     "--seed",
     type=click.IntRange(min=0),
     metavar="S",
@@ -159,6 +162,7 @@ def inspect(
     dataset: Path | None,
     *,
     episodes: int | None,
+    episode: int | None,
     seed: int | None,
     smoke: bool,
     reading: "Reading | None",
@@ -179,7 +183,8 @@ def inspect(
 
     - `z2r inspect my_dataset --reading my.toml` reads yours; `z2r reading my_dataset` drafts such a file
     - `z2r inspect --break yaw-swap` reads it wrong, to show what that looks like
-    - `rerun z2r-out/inspect.rrd` replays what was read
+    - `rerun z2r-out/inspect.rrd` replays what was read: its cameras, its numbers, its tasks
+    - `z2r inspect my_dataset --episode 7` puts that one into the replay
     """
     from z2r.show.terminal import console, graded
 
@@ -194,7 +199,7 @@ def inspect(
     data, lost = _load(root, salvaged=salvage)
     screen = console(as_json)
     with _way_out(root, salvaged=salvage):
-        inspection = _inspect(_first(data, episodes), reading, mode, screen, with_replay=with_replay)
+        inspection = _inspect(_first(data, episodes), reading, mode, screen, episode, with_replay=with_replay)
     recording, no_verdict = _read_verdict(root)
     metrics = _write_metrics(inspection, title, recording, out, lost if salvage else None)
     _say_what_was_found(screen, inspection, title, lost if salvage else None, given=reading is not None)
@@ -204,7 +209,7 @@ def inspect(
         screen.print(no_verdict, style="yellow", soft_wrap=True)
     screen.print(f"wrote {out / 'metrics.json'}", soft_wrap=True)
     if with_replay:
-        _write_replay(inspection, out / "inspect.rrd", screen)
+        _write_replay(inspection, out / "inspect.rrd", screen, episode)
     elif rerun is None and not smoke:
         screen.print(_NO_REPLAY, soft_wrap=True)
     if as_json:
@@ -216,19 +221,32 @@ def _inspect(
     reading: "Reading | None",
     mode: BreakMode | None,
     screen: "Console",
+    episode: int | None,
     *,
     with_replay: bool,
 ) -> "Inspection":
     """Read a dataset; say before it how long that takes, and what is read wrong."""
-    from z2r.api import MAX_REPLAY_FRAMES, choose_reading, inspect_dataset
+    from z2r.api import MAX_REPLAY_FRAMES, choose_reading
+    from z2r.reading.inspection import inspect_dataset
     from z2r.show.terminal import progress
 
     reading = _fitting(reading, dataset.schema) or choose_reading(dataset.schema)
+    _check_episode(episode, mode.dataset(dataset) if mode else dataset)
     _announce(screen, "inspect" if with_replay else "inspect --no-rerun", dataset)
     if mode:
         _say_what_is_wrong(screen, mode, dataset, reading)
     with progress("reading", "frames", screen.quiet) as move:
-        return inspect_dataset(dataset, mode, reading, move, keep=MAX_REPLAY_FRAMES if with_replay else 0)
+        return inspect_dataset(
+            dataset, mode, reading, move, keep=MAX_REPLAY_FRAMES if with_replay else 0, episode=episode
+        )
+
+
+def _check_episode(episode: int | None, dataset: "Dataset") -> None:
+    try:
+        if episode is not None:
+            dataset.episodes.one(episode)
+    except ValueError as error:
+        raise click.UsageError(f"--episode: {error}") from None
 
 
 def _say_what_was_found(
@@ -362,7 +380,7 @@ class _NoPandas(MetaPathFinder):
             raise ModuleNotFoundError(name)
 
 
-def _write_replay(inspection: "Inspection", path: Path, screen: "Console") -> None:
+def _write_replay(inspection: "Inspection", path: Path, screen: "Console", episode: int | None) -> None:
     from z2r.api import scene_of
 
     sys.meta_path.insert(0, _NoPandas())
@@ -372,9 +390,13 @@ def _write_replay(inspection: "Inspection", path: Path, screen: "Console") -> No
     screen.print(f"wrote {replay.path}: look at it with `rerun {replay.path}`", soft_wrap=True)
     episodes = inspection.episodes
     if replay.n_frames < episodes.n_frames:
-        shown = f"{replay.n_episodes:,} of {len(episodes):,} episodes"
+        shown = f"the first {replay.n_episodes:,} of {len(episodes):,} episodes"
+        if episode is not None:
+            shown = f"episode {episode}, one of {len(episodes):,}"
         frames = f"{replay.n_frames:,} of {episodes.n_frames:,} frames"
-        screen.print(f"it shows the first {shown} ({frames}); the others are left out", soft_wrap=True)
+        screen.print(f"it shows {shown} ({frames}); the others are left out", soft_wrap=True)
+    for line in replay.left_out:
+        screen.print(f"not in it: {line}", soft_wrap=True)
 
 
 @cli.command()

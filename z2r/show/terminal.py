@@ -20,7 +20,7 @@ from z2r.audits.edit import PROGRAM
 from z2r.audits.findings import Finding
 from z2r.check import SEVERITIES, Severity
 from z2r.errors import count, printable, short, some
-from z2r.format.about import About
+from z2r.format.about import About, short_names
 from z2r.format.schema import Schema
 from z2r.reading.breaks import BreakMode
 from z2r.reading.inspection import Inspection
@@ -141,7 +141,7 @@ def listing(found: Sequence[Listed]) -> RenderableType:
 def _listed(each: Listed) -> tuple[str, ...]:
     if each.fault:
         return each.name, each.where, "?", "?", "?", "", ""
-    cameras = [name.removeprefix("observation.").removeprefix("images.") for name in each.cameras]
+    cameras = short_names(each.cameras)
     counts = f"{each.n_episodes:,}", f"{each.n_frames:,}", f"{each.fps:g}"
     return each.name, each.where, *counts, short(each.robot_type or ""), some(cameras)
 
