@@ -127,7 +127,8 @@ def _states(rests: int | None = None) -> list[np.ndarray]:
 
 
 def _write_states(root: Path, states: Sequence[np.ndarray], seen: dict[str, Any]) -> None:
-    frames = {"observation.state": np.concatenate(states), "action": np.concatenate(states)}
+    ahead = [np.concatenate([own[2:], own[-1:].repeat(2, 0)]) for own in states]  # a command comes before its motion
+    frames = {"observation.state": np.concatenate(states), "action": np.concatenate(ahead)}
     features = {name: {"dtype": "float32", "shape": [2], "names": ["x", "y"]} for name in frames}
     features |= dict.fromkeys(CAMERAS, seen) | BOOKKEEPING
     layout = Layout(files=[len(states)], shards=[len(states)], episode_stats=True)

@@ -57,7 +57,7 @@ from test_audit import said
 
 import z2r
 from z2r.audits import cameras, pictures
-from z2r.audits.findings import AUDIT
+from z2r.audits.findings import AUDIT, Finding
 from z2r.check import parts_in
 from z2r.cli import main
 from z2r.format import decoding, mp4
@@ -277,9 +277,17 @@ def test_cuts_that_show_pictures_again_and_again_are_not_followed(small_video, m
 # --- no fault
 
 
+OF_CAMERAS = {AUDIT.name, *(part.check.name for part in parts_in(cameras, pictures))}
+
+
+def of_cameras(audit: z2r.Audit) -> list[Finding]:
+    """Leave out what is said of a robot that hardly does anything."""
+    return [finding for finding in audit.findings if finding.check in OF_CAMERAS]
+
+
 def silent(root: Path, **how: bool) -> z2r.Audit:
     audit = z2r.audit(root, **how)
-    assert not audit.findings, said(audit)
+    assert not of_cameras(audit), said(audit)
     return audit
 
 
@@ -489,8 +497,8 @@ def test_a_fault_of_a_camera_is_named_and_nothing_else(kind, root):
     fault = FAULTS[kind]
     fault.do(root)
     audit = z2r.audit(root)
-    assert {finding.check for finding in audit.findings} == set(fault.checks.split()), said(audit)
-    first = audit.findings[0]
+    assert {finding.check for finding in of_cameras(audit)} == set(fault.checks.split()), said(audit)
+    first = of_cameras(audit)[0]
     assert (first.severity, first.file) == (fault.severity, fault.file), said(audit)
     assert fault.says in str(first)
     assert audit.exit_code == (fault.severity != "note")
@@ -527,7 +535,7 @@ def only(wrong: Film, *episodes: int, camera: str = SIDE) -> Film:
 )
 def test_the_sizes_of_pictures_hint_at_what_they_show(wrong, check, severity, place, codec, root):
     shoot(root, SIDE, wrong, codec=codec)
-    [finding] = z2r.audit(root).findings
+    [finding] = of_cameras(z2r.audit(root))
     assert (finding.check, finding.severity) == (check, severity)
     assert re.search(f"{SIDE} {place}", str(finding))
     assert "--pictures" in finding.mend
@@ -609,9 +617,10 @@ def test_a_fault_of_images_is_named_and_nothing_else(kind, album):
     fault = IMAGE_FAULTS[kind]
     fault.do(album)
     audit = z2r.audit(album)
-    assert {finding.check for finding in audit.findings} == {fault.checks}, said(audit)
-    assert (audit.findings[0].severity, audit.findings[0].file) == (fault.severity, fault.file), said(audit)
-    assert fault.says in str(audit.findings[0])
+    assert {finding.check for finding in of_cameras(audit)} == {fault.checks}, said(audit)
+    first = of_cameras(audit)[0]
+    assert (first.severity, first.file) == (fault.severity, fault.file), said(audit)
+    assert fault.says in str(first)
 
 
 @pytest.mark.parametrize("kind", ["png", "jpeg"])
@@ -627,7 +636,7 @@ def test_a_fault_of_images_is_named_and_nothing_else(kind, album):
 )
 def test_images_that_are_the_same_are_named(wrong, check, severity, place, kind, album):
     photograph(album, SIDE, wrong, kind)
-    [finding] = z2r.audit(album).findings
+    [finding] = of_cameras(z2r.audit(album))
     assert (finding.check, finding.severity) == (check, severity)
     assert re.search(f"{SIDE} {place}", str(finding))
 
@@ -713,7 +722,7 @@ def test_what_decoded_pictures_show_is_named(kind, root):
     wrong, check, severity, says = SEEN[kind]
     shoot(root, SIDE, wrong)
     audit = z2r.audit(root, pictures=True)
-    [finding] = audit.findings
+    [finding] = of_cameras(audit)
     assert (finding.check, finding.severity) == (check, severity), said(audit)
     assert re.search(f"{SIDE} {says}", str(finding)), said(audit)
     assert "--pictures" not in str(finding) + "".join(audit.not_checked)
@@ -743,7 +752,7 @@ def test_nothing_is_said_where_the_robot_rests_or_is_not_in_the_picture(tmp_path
 def test_decoded_images_show_the_same_as_decoded_videos(kind, album):
     wrong, check, severity, says = SEEN[kind]
     photograph(album, SIDE, wrong)
-    [finding] = z2r.audit(album, pictures=True).findings
+    [finding] = of_cameras(z2r.audit(album, pictures=True))
     assert (finding.check, finding.severity) == (check, severity)
     assert re.search(f"{SIDE} {says}", str(finding))
 
@@ -763,7 +772,7 @@ def test_pictures_that_cannot_be_decoded_are_named(root):
     spoil_pictures(video(root, SIDE))
     silent(root)
     audit = z2r.audit(root, pictures=True)
-    [finding] = audit.findings
+    [finding] = of_cameras(audit)
     assert (finding.check, finding.severity, finding.file) == ("video-file", "error", SIDE_VIDEO)
     assert any(f"what {SIDE} shows in 8 of 8 episodes" in line for line in audit.not_checked)
 
@@ -772,18 +781,18 @@ def test_an_image_that_cannot_be_decoded_is_named(album):
     whole = encoded(next(film(SIDE, 0, wander(0, 1))))
     put_image(0, whole[:60] + bytes(len(whole) - 80) + whole[-20:])(album)
     silent(album)
-    [finding] = z2r.audit(album, pictures=True).findings
+    [finding] = of_cameras(z2r.audit(album, pictures=True))
     assert (finding.check, finding.field) == ("camera-format", f"{SIDE} in row 0")
 
 
 def test_an_image_that_is_too_large_is_not_decoded(photographed, monkeypatch):
     monkeypatch.setattr(decoding, "_MAX_PIXELS", SIZE[0] * SIZE[1] - 1)
-    assert {finding.check for finding in z2r.audit(photographed, pictures=True).findings} == {"camera-format"}
+    assert {finding.check for finding in of_cameras(z2r.audit(photographed, pictures=True))} == {"camera-format"}
 
 
 def test_a_video_of_too_large_pictures_is_not_decoded(filmed, monkeypatch):
     monkeypatch.setattr(decoding, "_MAX_PIXELS", SIZE[0] * SIZE[1] - 1)
-    assert {finding.check for finding in z2r.audit(filmed, pictures=True).findings} == {"video-file"}
+    assert {finding.check for finding in of_cameras(z2r.audit(filmed, pictures=True))} == {"video-file"}
 
 
 def test_bytes_that_name_other_files_open_none(root):
@@ -816,7 +825,7 @@ def test_other_processes_see_what_threads_see(root):
     with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as processes:
         for how in ({}, {"pictures": True}):
             audit = z2r.audit(root, executor=processes, **how)
-            assert audit.findings
+            assert of_cameras(audit)
             assert audit == z2r.audit(root, **how)
 
 
@@ -831,7 +840,7 @@ def test_what_nobody_looked_at_is_said(filmed, photographed):
 def test_a_reader_of_pictures_that_fails_is_a_finding_and_not_the_end(module, filmed, monkeypatch):
     monkeypatch.setattr(f"z2r.audits.{module}.read_video", lambda *_: 1 / 0)
     audit = z2r.audit(filmed, pictures=True)
-    assert [finding.check for finding in audit.findings] == [AUDIT.name]
+    assert [finding.check for finding in of_cameras(audit)] == [AUDIT.name]
     assert any("the pictures" in line for line in audit.not_checked)
     assert audit.n_frames == N_FRAMES
 

@@ -87,11 +87,8 @@ def pictures_can_be_read_by_themselves(footage: Footage) -> Iterator[Answer]:
         if said.in_a_row > _IN_A_ROW:
             found = f"{said.in_a_row:,} in a row that cannot be decoded alone"
             mend = "To read one frame, all before it are decoded: slow. Encode it again, with a smaller g"
-            expected, named = (
-                f"{_IN_A_ROW} at most; LeRobot writes every second so that it can",
-                _numbers(footage, video),
-            )
-            yield "note", Fault(video.path, "pictures", found, expected, mend, named)
+            expected = f"{_IN_A_ROW} at most; LeRobot writes every second so that it can"
+            yield "note", Fault(video.path, "pictures", found, expected, mend, _numbers(footage, video))
 
 
 @Check("video-length", "a video has as many pictures as its episodes have frames", "error").of(Footage)

@@ -24,9 +24,7 @@ def images_can_be_decoded(looks: Looks) -> Iterator[Answer]:
     yield from (fault for fault in looks.faults if fault.field)
 
 
-CAMERA_FLAT = Check(
-    "camera-flat", "no camera shows one colour or noise, as one that is covered or unplugged does", "warning"
-)
+CAMERA_FLAT = Check("camera-flat", "no camera shows one colour or noise, as if covered or unplugged", "warning")
 
 
 @CAMERA_FLAT.of(Looks)
