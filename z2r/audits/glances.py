@@ -27,7 +27,7 @@ _PICTURES = 48  # of an episode
 _ENOUGH = 24  # that can be decoded alone: where there are fewer, the others are decoded too
 _FEW = 8  # pictures: from fewer nothing is said
 _EPISODES = 8  # at a time
-BRIGHTNESS = np.array([0.299, 0.587, 0.114], dtype=np.float32)  # of red, green and blue: ITU-R BT.601
+_BRIGHTNESS = np.array([0.299, 0.587, 0.114], dtype=np.float32)  # of red, green and blue: ITU-R BT.601
 _PRINTS = np.array([0.1, 0.4, 0.6, 0.9])  # of the way through an episode
 
 
@@ -213,7 +213,7 @@ def _evenly(numbers: Ints) -> Ints:
 
 def _glance(frame: Floats, pictures: Sequence[Small]) -> Glance:
     colours = np.stack([picture.colours for picture in pictures]).astype(np.float32)  # (n, 48, 64, 3)
-    seen = colours @ BRIGHTNESS  # (n, 48, 64)
+    seen = colours @ _BRIGHTNESS  # (n, 48, 64)
     apart = np.abs(np.diff(seen, axis=0))
     n, height, width = seen.shape
     prints = seen[(_PRINTS * (n - 1)).round().astype(np.int64)].reshape(-1, height // 2, 2, width // 2, 2)

@@ -35,9 +35,12 @@ _ONE_COLOUR = 3  # of standard deviation, at most
 _NOISE, _TOUCH = 4, 16  # what a cell may change by when the same picture is encoded again: mostly, and at times
 _SAME_VIEW, _SAME_CELL = 1.5, 16  # what cells differ by, and one of them, when the same picture is encoded twice
 _DARK = 24
-_NO_SIGNAL = 0.9  # of grain: white noise has 1.13, and the finest texture of a thing half of it
+_NO_SIGNAL = 1.2  # of grain: white noise has 1.41, and one pixel of a picture of something is much like the next
 
-_SLOW, _FITFUL = 0.2, 0.4  # of the robot's way, and of the steps: between pictures that stay and others that change
+_SLOW, _FITFUL = (
+    0.2,
+    0.4,
+)  # of the robot's way, and of the steps while it moves: between pictures that stay and others that change
 
 _MOSTLY = 0.5  # of the robot's way
 _TINY = 1e-9  # of it
@@ -174,14 +177,14 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, way_of
     for row, glance in seen.items():
         flat[row] = glance.spread.max() <= _ONE_COLOUR or np.median(glance.grain) >= _NO_SIGNAL
         blank[row] = not flat[row] and glance.spread.min() <= _ONE_COLOUR
-        if moves[row] and row in way_of:
+        if moves[row] and row in way_of and not flat[row]:
             way = np.diff(np.interp(glance.frame, *way_of[row]))
             rests = _is_still(glance.peak)
             share[row] = _longest(way, rests) / max(way.sum(), _TINY)
             still[row] = share[row] >= _MOSTLY
             again[row] = (way * rests).sum() / max(way.sum(), _TINY)
-            slow[row] = again[row] >= _SLOW and np.diff(rests).mean() >= _FITFUL
-            if not still[row]:
+            slow[row] = again[row] >= _SLOW and np.diff(rests[way >= way.mean() / 2]).mean() >= _FITFUL
+            if not still[row] and not blank[row]:
                 seconds = float(np.median(np.diff(glance.frame))) / fps
                 steps[int(number[row])] = Steps(glance.change, way, seconds)
     fits, astray = fit(steps)

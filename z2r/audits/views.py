@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from z2r.arrays import Bools, Floats, Ints
-from z2r.audits.glances import BRIGHTNESS, Glance
+from z2r.audits.glances import Glance
 
 _MIN_EPISODES = 5  # from fewer nothing can be said about what is usual
 _CANDIDATES = 64  # for what is usual
@@ -152,11 +152,11 @@ def _guess(view: Floats, usual: Floats, strangers: list[tuple[str, Floats]]) -> 
     """Say what a view looks like, by what fits far better than it does."""
     tries = [(said, turn(view), usual) for said, turn in _TURNS.items()]
     tries += [(said, view, other) for said, other in strangers]
-    if np.ptp(view, axis=-1).mean() <= _COLOURLESS:
-        tries.append(("without colour", view, np.repeat(usual @ BRIGHTNESS[:, None], 3, axis=-1)))
     left, said = min((_apart(one, other), said) for said, one, other in tries)
     if left <= _FITS * _apart(view, usual):
         return said
+    if np.ptp(view, axis=-1).mean() <= _COLOURLESS < np.ptp(usual, axis=-1).mean() / _GAP:
+        return "without colour"
     covered = ((view <= _DARK).all(axis=-1) & (usual > _DARK).any(axis=-1)).mean()
     return f"black in {covered:.0%} of the picture" if covered >= _COVERED else ""
 
