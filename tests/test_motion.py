@@ -42,6 +42,7 @@ SILENT: dict[str, set[str]] = {
     "copy-shifted": {"one"},
     "copy-resampled": {"one"},
     "task-of-one": {"one"},
+    "splits-empty": {"all"},
     "done-never": {"half", "one"},  # as in an episode that was cut off
     "success-without-reward": {"one"},
 }
