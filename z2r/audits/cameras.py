@@ -40,8 +40,8 @@ def videos_have_their_format(footage: Footage) -> Iterator[Answer]:
     schema = footage.claims.schema
     sizes = {camera: _claimed_sizes(schema.features[camera]) for camera in footage.claims.videos.value}
     for video, said in _read(footage):
-        size = said.height, said.width
-        like = [camera for camera in sizes if any(size in possible for possible in sizes[camera].values())]
+        size, others = (said.height, said.width), sizes.keys() - {video.camera}
+        like = sorted(camera for camera in others if any(size in possible for possible in sizes[camera].values()))
         for place, possible in sizes[video.camera].items():
             if size not in possible:
                 mend = f"{like[0]} has that size: are the two exchanged?" if like else ""
@@ -59,9 +59,7 @@ def videos_have_their_format(footage: Footage) -> Iterator[Answer]:
 def the_schema_agrees_with_itself(footage: Footage) -> Iterator[Answer]:
     """Do the parts of `meta/info.json` that speak of a camera say the same, and what LeRobot makes of it?"""
     schema = footage.claims.schema
-    for camera, fps in (
-        (each.name, each.fps) for each in cameras_of(schema) if each.name in footage.claims.videos.value
-    ):
+    for camera, fps in ((each.name, each.fps) for each in cameras_of(schema)):
         said, axes = said_of(schema.features[camera]), axes_of(schema.features[camera])
         is_depth = said.get("is_depth_map") or said.get("video.is_depth_map")
         channels = axes.get("channels", axes.get("channel"))
