@@ -341,6 +341,8 @@ def _meaning_not_checked(claims: Claims, sums: Sequence[FileSums], scene: Scene 
             yield "success: nothing says what it would be"
     elif scene is None:
         yield "solid bodies, limits, and whether the action does what it says: the reading has no scene"
+        if claims.reading.goal:
+            yield "whether what is reached was a success: `z2r inspect` holds it against a verdict beside the dataset"
     elif not _has_scene(sums):
         yield "solid bodies and limits: columns that the scene needs are not there, or cannot be used in some file"
     else:
