@@ -37,10 +37,8 @@ _SAME_VIEW, _SAME_CELL = 1.5, 16  # what cells differ by, and one of them, when 
 _DARK = 24
 _NO_SIGNAL = 1.2  # of grain: white noise has 1.41, and one pixel of a picture of something is much like the next
 
-_SLOW, _FITFUL = (
-    0.2,
-    0.4,
-)  # of the robot's way, and of the steps while it moves: between pictures that stay and others that change
+_HARDLY = 0.25  # of the change that is usual while the robot moves
+_SLOW, _FITFUL = 0.2, 0.4  # of the robot's way, and of the steps while it moves: from little change to more, and back
 
 _MOSTLY = 0.5  # of the robot's way
 _TINY = 1e-9  # of it
@@ -179,11 +177,9 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, way_of
         blank[row] = not flat[row] and glance.spread.min() <= _ONE_COLOUR
         if moves[row] and row in way_of and not flat[row]:
             way = np.diff(np.interp(glance.frame, *way_of[row]))
-            rests = _is_still(glance.peak)
-            share[row] = _longest(way, rests) / max(way.sum(), _TINY)
+            share[row] = _longest(way, _is_still(glance.peak)) / max(way.sum(), _TINY)
             still[row] = share[row] >= _MOSTLY
-            again[row] = (way * rests).sum() / max(way.sum(), _TINY)
-            slow[row] = again[row] >= _SLOW and np.diff(rests[way >= way.mean() / 2]).mean() >= _FITFUL
+            again[row], slow[row] = _repeats(way, glance.peak)
             if not still[row] and not blank[row]:
                 seconds = float(np.median(np.diff(glance.frame))) / fps
                 steps[int(number[row])] = Steps(glance.change, way, seconds)
@@ -207,6 +203,17 @@ def _is_still(peak: Floats) -> Bools:
     still = peak <= _NOISE
     still[1:-1] |= still[:-2] & still[2:] & (peak[1:-1] <= _TOUCH)
     return still
+
+
+def _repeats(way: Floats, peak: Floats) -> tuple[float, bool]:
+    """Say for which share of the robot's way the picture hardly changes, and whether that comes and goes all the time.
+
+    A robot that goes out of the picture comes back later; a camera that is slow shows each picture some times.
+    """
+    moving = way >= way.mean() / 2
+    little = peak <= max(_NOISE, _HARDLY * np.median(peak[moving]))
+    share = (way * little).sum() / max(way.sum(), _TINY)
+    return float(share), bool(share >= _SLOW and np.diff(little[moving]).mean() >= _FITFUL)
 
 
 def _longest(way: Floats, still: Bools) -> float:
