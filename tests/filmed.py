@@ -130,7 +130,8 @@ def write_video(
 
 def _states(rests: int | None = None) -> list[np.ndarray]:
     states = [wander(episode, n_frames) for episode, n_frames in enumerate(LENGTHS)]
-    return [own[:1].repeat(len(own), 0) if episode == rests else own for episode, own in enumerate(states)]
+    noise = np.random.default_rng(0).normal(0, 1e-3, (max(LENGTHS), 2)).astype(np.float32)
+    return [own[:1] + noise[: len(own)] if episode == rests else own for episode, own in enumerate(states)]
 
 
 def _write_states(root: Path, states: Sequence[np.ndarray], seen: dict[str, Any]) -> None:

@@ -45,7 +45,8 @@ def videos_have_their_format(footage: Footage) -> Iterator[Answer]:
     sizes = {camera: _claimed_sizes(schema.features[camera]) for camera in footage.claims.videos.value}
     for video, said in _read(footage):
         size, named = (said.height, said.width), _numbers(footage, video)
-        like = [camera for camera in sizes if any(size in possible for possible in sizes[camera].values())]
+        others = sizes.keys() - {video.camera}
+        like = sorted(camera for camera in others if any(size in possible for possible in sizes[camera].values()))
         for place, possible in sizes[video.camera].items():
             if size not in possible:
                 mend = f"{like[0]} has that size: are the two exchanged?" if like else ""
@@ -65,9 +66,7 @@ def videos_have_their_format(footage: Footage) -> Iterator[Answer]:
 def the_schema_agrees_with_itself(footage: Footage) -> Iterator[Answer]:
     """Do the parts of `meta/info.json` that speak of a camera say the same, and what LeRobot makes of it?"""
     schema = footage.claims.schema
-    for camera, fps in (
-        (each.name, each.fps) for each in cameras_of(schema) if each.name in footage.claims.videos.value
-    ):
+    for camera, fps in ((each.name, each.fps) for each in cameras_of(schema)):
         said, axes = said_of(schema.features[camera]), axes_of(schema.features[camera])
         is_depth = said.get("is_depth_map") or said.get("video.is_depth_map")
         channels = axes.get("channels", axes.get("channel"))

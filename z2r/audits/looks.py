@@ -32,13 +32,14 @@ _LITTLE = 0.25  # of what a change usually takes
 
 # Of decoded pictures, from 0 to 255.
 _ONE_COLOUR = 3  # of standard deviation, at most
-_NOISE, _TOUCH = 4, 16  # what a cell may change by when the same picture is encoded again: mostly, and at times
+_NOISE = 8  # what a cell changes by when the same picture is encoded again: measured, 7 and at times 24 at most
 _SAME_VIEW, _SAME_CELL = 1.5, 16  # what cells differ by, and one of them, when the same picture is encoded twice
 _DARK = 24
 _NO_SIGNAL = 1.2  # of grain: white noise has 1.41, and one pixel of a picture of something is much like the next
 
-_HARDLY = 0.25  # of the change that is usual while the robot moves
-_SLOW, _FITFUL = 0.2, 0.4  # of the robot's way, and of the steps while it moves: from little change to more, and back
+_HARDLY = 0.25  # of a large change while the robot moves
+_SLOW, _TURNS = 0.2, 8  # of the robot's way, and steps between two in which it moves
+_FITFUL = 0.5  # of these steps: from little change to more, or back
 
 _MOSTLY = 0.5  # of the robot's way
 _TINY = 1e-9  # of it
@@ -177,9 +178,10 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, way_of
         blank[row] = not flat[row] and glance.spread.min() <= _ONE_COLOUR
         if moves[row] and row in way_of and not flat[row]:
             way = np.diff(np.interp(glance.frame, *way_of[row]))
-            share[row] = _longest(way, _is_still(glance.peak)) / max(way.sum(), _TINY)
+            share[row] = _longest(way, glance.peak <= _NOISE) / max(way.sum(), _TINY)
             still[row] = share[row] >= _MOSTLY
-            again[row], slow[row] = _repeats(way, glance.peak)
+            again[row], repeats = _repeats(way, glance.peak)
+            slow[row] = repeats and not still[row]
             if not still[row] and not blank[row]:
                 seconds = float(np.median(np.diff(glance.frame))) / fps
                 steps[int(number[row])] = Steps(glance.change, way, seconds)
@@ -198,22 +200,16 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, way_of
     )
 
 
-def _is_still(peak: Floats) -> Bools:
-    """Tell of each step whether the picture stays the same; an encoder may touch it up in between."""
-    still = peak <= _NOISE
-    still[1:-1] |= still[:-2] & still[2:] & (peak[1:-1] <= _TOUCH)
-    return still
-
-
 def _repeats(way: Floats, peak: Floats) -> tuple[float, bool]:
     """Say for which share of the robot's way the picture hardly changes, and whether that comes and goes all the time.
 
     A robot that goes out of the picture comes back later; a camera that is slow shows each picture some times.
     """
     moving = way >= way.mean() / 2
-    little = peak <= max(_NOISE, _HARDLY * np.median(peak[moving]))
+    little = peak <= _HARDLY * np.quantile(peak[moving], 0.9)
     share = (way * little).sum() / max(way.sum(), _TINY)
-    return float(share), bool(share >= _SLOW and np.diff(little[moving]).mean() >= _FITFUL)
+    turns = np.diff(little)[moving[1:] & moving[:-1]]
+    return float(share), bool(share >= _SLOW and len(turns) >= _TURNS and turns.mean() >= _FITFUL)
 
 
 def _longest(way: Floats, still: Bools) -> float:

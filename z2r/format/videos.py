@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import pyarrow as pa
 
 from z2r.arrays import Floats, Ints
 from z2r.errors import DatasetError, Fault
@@ -91,10 +92,18 @@ def _spans(root: Path, name: str, template: str, shards: Sequence[Path]) -> Span
     for shard in (root / shard for shard in shards):
         table = read_columns(open_parquet(shard), shard, [*whole, *times])
         pointers.append(np.stack([integers(table, column, shard) for column in whole]))
-        spans.append(np.stack([vectors(table, column, (1,), shard)[:, 0].astype(np.float64) for column in times]))
+        spans.append(np.stack([_seconds(table, column, shard) for column in times]))
     file_number, named = count_files(*np.concatenate(pointers, axis=1))
     paths = [Path(template.format(video_key=name, chunk_index=chunk, file_index=file)) for chunk, file in named]
     return Spans(tuple(paths), file_number, *np.concatenate(spans, axis=1))
+
+
+def _seconds(table: pa.Table, column: str, path: Path) -> Floats:
+    values = vectors(table, column, (1,), path)[:, 0].astype(np.float64)
+    if not (known := np.isfinite(values)).all():
+        row = int(known.argmin())
+        raise DatasetError(Fault(path, f"{column} in row {row}", values[row], "a number of seconds"))
+    return values
 
 
 def _checked_template(video_path: str | None) -> str:
