@@ -13,7 +13,7 @@ from z2r.arrays import Bools, Floats, Ints
 from z2r.audits.glances import Glance
 
 _MIN_EPISODES = 5  # from fewer nothing can be said about what is usual
-_CANDIDATES = 64  # for what is usual
+_CANDIDATES = 16  # for what is usual: as half of the episodes are, some of these are among them
 _GAP = 3  # times as far as those that are usual
 _FEW = 0.25  # of the episodes: of more, nobody knows which ones are right
 _LEVEL = 110  # to which all views are brought, so that daylight does not matter
