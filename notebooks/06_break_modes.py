@@ -174,7 +174,7 @@ practice.check_swap(swap)
 # %% [markdown]
 # ## Three signatures
 #
-# Three break modes are enough to begin with; [a later notebook](08_field_guide.ipynb) has ten more. `yaw-swap` you
+# Three break modes are enough to begin with; [a later notebook](08_field_guide.ipynb) has the others. `yaw-swap` you
 # know. `drop-boundaries` believes that there are no episodes. `yaw-swap-everywhere` makes the swap twice, for the block
 # and for the target. Here they are beside the right reading. The last column is the error in yaw at the ends of the
 # episodes, from the smallest to the largest.

@@ -31,8 +31,9 @@ from layouts import (
 )
 
 import z2r
+from z2r.audits.findings import Finding
 from z2r.pusht.task import ACTION_NAMES, STATE_NAMES
-from z2r.pusht.verdict import verdict_path
+from z2r.reading.verdict import verdict_path
 
 INFO, TASKS, EPISODES_DIR = "meta/info.json", "meta/tasks.parquet", "meta/episodes"
 EPISODES, DATA = "meta/episodes/chunk-000/file-000.parquet", "data/chunk-000/file-000.parquet"
@@ -79,6 +80,16 @@ class Damage:
     harmless: bool = False
 
 
+READINESS = ("constant", "idle", "short-episode", "chunk")
+"""Checks that note what is true of many a healthy dataset, and no fault of it."""
+
+
+def wrong_in(audit: z2r.Audit) -> list[Finding]:
+    """Return what is wrong with a dataset, beside what is merely good to know before training."""
+    return [each for each in audit.findings if each.severity != "note" or each.check not in READINESS]
+
+
+PUSH = "push the T onto the target"
 FAILED, LUCKY = 2, 10  # of `messy`: an episode that is read as not reached, and the one that is, without success
 
 
@@ -323,6 +334,40 @@ def set_at(row: int, value: Any) -> Callable[[list], list]:
 
 def add_at(row: int, value: int) -> Callable[[list], list]:
     return lambda values: [old + value if i == row else old for i, old in enumerate(values)]
+
+
+def rename_feature(root: Path, old: str, new: str) -> None:
+    """Give a feature another name, in all places."""
+    features = read_json(root, INFO)["features"]
+    edit_info(root, features={new if name == old else name: feature for name, feature in features.items()})
+    rename_column(root, DATA, old, new)
+    restate(root)
+
+
+def add_feature(root: Path, name: str, value: float) -> None:
+    """Add a feature of one number, the same in all frames."""
+    table = pq.read_table(root / DATA)
+    pq.write_table(table.append_column(name, pa.array(np.full(len(table), value, dtype=np.float32))), root / DATA)
+    edit_feature(root, name, dtype="float32", shape=[1], names=None)
+    restate(root)
+
+
+def set_tasks(root: Path, *texts: str, of_episode: dict[int, int] | None = None, of_frame: int | None = None) -> None:
+    """Let these be the tasks, the first that of every frame but those of some episodes, or of one frame."""
+    import pandas as pd
+
+    pd.DataFrame({"task_index": range(len(texts))}, index=pd.Index(texts, name="task")).to_parquet(root / TASKS)
+    edit_info(root, total_tasks=len(texts))
+
+    def in_place(frames: Frames, slices: list[slice]) -> None:
+        for episode, task in (of_episode or {}).items():
+            frames["task_index"][slices[episode]] = task
+        if of_frame is not None:
+            frames["task_index"][of_frame] = 1
+
+    edit_frames(root, in_place)
+    tasks = [texts[(of_episode or {}).get(episode, 0)] for episode in range(pq.read_metadata(root / EPISODES).num_rows)]
+    edit_column(root, EPISODES, "tasks", lambda _: [[task] for task in tasks])
 
 
 def garble_a_column_name(root: Path) -> None:
@@ -641,6 +686,18 @@ def in_one(number: int, rows: Callable[[int], Any]) -> Callable[[Path], None]:
     )
 
 
+def wait_in(number: int, before: int = 0, after: int = 0) -> Callable[[Path], None]:
+    """Let the robot of one episode stand still for so many frames, which nobody asks to move."""
+
+    def waiting(episode: Frames) -> Frames:
+        first, last = (rows_of(episode, [row] * n) for row, n in ((0, before), (-1, after)))
+        for rest in (first, last):
+            rest["action"][:] = 0
+        return joined(first, episode, last)
+
+    return reorder(lambda episodes: [waiting(each) if i == number else each for i, each in enumerate(episodes)])
+
+
 def move_all_boundaries(episodes: Episodes, by: int = 1) -> Episodes:
     """Give the first frames of every episode but the first to the episode before."""
     nexts = [*episodes[1:], None]
@@ -805,6 +862,12 @@ ON_INFO: dict[str, Damage] = {
     "splits backwards": Damage(lambda root: edit_info(root, splits={"train": "6:0"}), "splits", INFO, "6:0"),
     "splits of 5000 digits": Damage(
         lambda root: edit_info(root, splits={"train": f"0:{'9' * 5000}"}), "splits", INFO, "splits"
+    ),
+    "an episode in two splits": Damage(
+        lambda root: edit_info(root, splits={"train": "0:4", "test": "3:6"}), "splits", INFO, "episode 3 in several"
+    ),
+    "episodes in no split": Damage(
+        lambda root: edit_info(root, splits={"train": "0:4"}), "splits", INFO, "episodes 4, 5 in none", harmless=True
     ),
     "splits of another kind": Damage(lambda root: edit_info(root, splits=[0, 6]), "info", INFO, "splits"),
     "template leads up": Damage(
@@ -1065,13 +1128,17 @@ ON_META: dict[str, Damage] = {
         lambda root: edit_stats(root, "action", "min", lambda v: v - 0.1), "stats", STATS_PATH, "min"
     ),
     "stored count off": Damage(
-        lambda root: edit_stats(root, "action", "count", lambda v: v + 17), "stats", STATS_PATH, "count"
+        lambda root: edit_stats(root, "action", "count", lambda v: v + 17), "stats", STATS_PATH, "count", harmless=True
     ),
     "stored std of NaN": Damage(
         lambda root: edit_stats(root, "action", "std", lambda v: v * np.nan), "stats-file", STATS_PATH
     ),
     "an episode's stored mean shifted": Damage(
-        lambda root: edit_column(root, EPISODES, "stats/action/mean", put(0.5, 2, 0)), "stats", EPISODES_DIR, "action"
+        lambda root: edit_column(root, EPISODES, "stats/action/mean", put(0.5, 2, 0)),
+        "stats",
+        EPISODES_DIR,
+        "action",
+        harmless=True,
     ),
     "an episode's statistics of another width": Damage(
         lambda root: edit_column(root, EPISODES, "stats/action/mean", lambda rows: [row[:1] for row in rows]),
@@ -1087,6 +1154,92 @@ ON_META: dict[str, Damage] = {
         "stats",
         EPISODES_DIR,
         STATE,
+        harmless=True,
+    ),
+}
+
+ON_TASKS: dict[str, Damage] = {
+    "the same task twice": Damage(
+        lambda root: set_tasks(root, PUSH, PUSH, of_episode={3: 1}), "task-text", TASKS, "task 1: found"
+    ),
+    "the same task in other letters": Damage(
+        lambda root: set_tasks(root, PUSH, f" {PUSH.upper()}", of_episode={3: 1}),
+        "task-text",
+        TASKS,
+        "task 1: found",
+        harmless=True,
+    ),
+    "a task that says nothing": Damage(lambda root: set_tasks(root, " \t"), "task-text", TASKS, r"' \t'"),
+    "a task that nobody does": Damage(
+        lambda root: set_tasks(root, PUSH, "pull it"), "task-unused", TASKS, "pull it", harmless=True
+    ),
+    "tasks out of order": Damage(
+        lambda root: (
+            set_tasks(root, PUSH, "pull it", of_episode={3: 1}),
+            take_rows(root, TASKS, lambda n: [1, 0]),
+        ),
+        "tasks-file",
+        TASKS,
+        "1, 0",
+    ),
+    "an episode of another task than its frames": Damage(
+        lambda root: (
+            set_tasks(root, PUSH, "pull it"),
+            edit_column(root, EPISODES, "tasks", set_at(3, ["pull it"])),
+        ),
+        "episode-tasks",
+        EPISODES_DIR,
+        "episode 3",
+    ),
+    "an episode of no task": Damage(
+        lambda root: edit_column(root, EPISODES, "tasks", set_at(3, [])), "episode-tasks", EPISODES_DIR, "no task"
+    ),
+    "tasks of episodes by their numbers": Damage(
+        lambda root: edit_column(root, EPISODES, "tasks", lambda rows: [0] * len(rows), pa.int64()),
+        "episode-tasks",
+        EPISODES,
+        "tasks",
+    ),
+    "a task that changes inside an episode": Damage(
+        lambda root: set_tasks(root, PUSH, "pull it", of_frame=120), "episode-tasks", EPISODES_DIR, "episode 1"
+    ),
+    "subtasks": Damage(
+        lambda root: (
+            set_tasks(root, PUSH, "pull it", of_frame=120),
+            edit_column(root, EPISODES, "tasks", set_at(1, ["pull it", PUSH])),
+        ),
+        "episode-tasks",
+        "data",
+        "episode 1",
+        harmless=True,
+    ),
+}
+
+ON_READINESS: dict[str, Damage] = {
+    "an action of another name": Damage(
+        lambda root: rename_feature(root, "action", "actions"), "policy-features", INFO, "actions"
+    ),
+    "a state of another name": Damage(
+        lambda root: rename_feature(root, STATE, "state"), "policy-features", INFO, "state, action"
+    ),
+    "a sensor that says the same in every frame": Damage(
+        lambda root: add_feature(root, "observation.light", 0.5),
+        "constant",
+        "data",
+        "remove_feature",
+        harmless=True,
+    ),
+    "a robot that waits before it begins": Damage(
+        wait_in(3, before=40), "idle", "data", "1 episode beginning with a standstill", base="messy", harmless=True
+    ),
+    "a robot that waits at the end": Damage(
+        wait_in(3, after=60), "idle", "data", "1 episode ending with a standstill", base="messy", harmless=True
+    ),
+    "an episode stopped as it began": Damage(
+        in_one(3, lambda n: range(3)), "short-episode", "data", "[3]", base="messy", harmless=True
+    ),
+    "an episode shorter than a chunk": Damage(
+        in_one(3, lambda n: range(40)), "chunk", "data", "5 shorter than 50", base="messy", harmless=True
     ),
 }
 
@@ -1586,7 +1739,11 @@ ON_DATA: dict[str, Damage] = {
 
 ON_VALUES: dict[str, Damage] = {
     "values changed under the statistics": Damage(
-        change_values(["tee_x"], lambda values: values + 0.004, restated=False), "stats", STATS_PATH, "tee_x"
+        change_values(["tee_x"], lambda values: values + 0.004, restated=False),
+        "stats",
+        STATS_PATH,
+        "tee_x",
+        harmless=True,
     ),
     "a frozen sensor in one episode": Damage(
         change_values(["pusher_x"], lambda values: values * 0 + values[0], [3]),
@@ -1808,7 +1965,7 @@ ON_LABELS: dict[str, Damage] = {
     ),
 }
 
-DAMAGES: dict[str, Damage] = ON_INFO | ON_META | ON_INDEX | ON_DATA | ON_VALUES | ON_LABELS
+DAMAGES: dict[str, Damage] = ON_INFO | ON_META | ON_TASKS | ON_INDEX | ON_DATA | ON_VALUES | ON_LABELS | ON_READINESS
 
 
 def make(kind: str, root: Path) -> None:

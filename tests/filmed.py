@@ -105,7 +105,13 @@ def video(root: Path, camera: str, number: int = 0) -> Path:
 
 
 def write_video(
-    path: Path, episodes: Sequence[Sequence[np.ndarray]], codec: str = "libx264", fps: float = FPS, **options: str
+    path: Path,
+    episodes: Sequence[Sequence[np.ndarray]],
+    codec: str = "libx264",
+    fps: float = FPS,
+    *,
+    forced: bool = True,
+    **options: str,
 ) -> None:
     """Encode pictures as LeRobot does: every second picture stands alone, and so does the first of each episode."""
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -116,7 +122,9 @@ def write_video(
         for pictures in episodes:
             for number, picture in enumerate(pictures):
                 frame = av.VideoFrame.from_ndarray(picture)
-                frame.pict_type = av.video.frame.PictureType.NONE if number else av.video.frame.PictureType.I
+                frame.pict_type = (
+                    av.video.frame.PictureType.NONE if number or not forced else av.video.frame.PictureType.I
+                )
                 file.mux(stream.encode(frame))
         file.mux(stream.encode())
 
@@ -128,7 +136,8 @@ def _states(rests: int | None = None) -> list[np.ndarray]:
 
 
 def _write_states(root: Path, states: Sequence[np.ndarray], seen: dict[str, Any]) -> None:
-    frames = {"observation.state": np.concatenate(states), "action": np.concatenate(states)}
+    ahead = [np.concatenate([own[2:], own[-1:].repeat(2, 0)]) for own in states]  # a command comes before its motion
+    frames = {"observation.state": np.concatenate(states), "action": np.concatenate(ahead)}
     features = {name: {"dtype": "float32", "shape": [2], "names": ["x", "y"]} for name in frames}
     features |= dict.fromkeys(CAMERAS, seen) | BOOKKEEPING
     layout = Layout(files=[len(states)], shards=[len(states)], episode_stats=True)

@@ -102,15 +102,25 @@ class Layout:
     episode_stats: bool = False
 
 
-def write_dataset(root: Path, frames: Frames, lengths: Sequence[int], layout: Layout, **info: Any) -> None:
-    """Write the features of all frames as episodes of these lengths, with everything else as it has to be."""
+def write_dataset(
+    root: Path,
+    frames: Frames,
+    lengths: Sequence[int],
+    layout: Layout,
+    tasks: Sequence[str] = ("test",),
+    **info: Any,
+) -> None:
+    """Write the features of all frames as episodes of these lengths, with everything else as it has to be.
+
+    All frames are of the first task, unless `frames` has a `task_index`.
+    """
     lengths = np.asarray(lengths)
-    frames = frames | _bookkeeping(lengths)
-    _write_info(root, layout, len(lengths), len(frames["index"]), info)
-    _write_tasks(root)
-    _write_metadata(root, frames, lengths, layout)
+    frames = frames | _bookkeeping(lengths, info.get("fps", CONTROL_HZ)) | frames
+    _write_info(root, layout, len(lengths), len(frames["index"]), {"total_tasks": len(tasks)} | info)
+    _write_tasks(root, tasks)
+    _write_metadata(root, frames, lengths, layout, tasks)
     _write_data(root, frames, lengths, layout)
-    (root / STATS_PATH).write_text(json.dumps({name: statistics(values) for name, values in frames.items()}))
+    (root / STATS_PATH).write_text(json.dumps(_statistics_of(frames)))
 
 
 def read_dataset(root: Path) -> tuple[Frames, list[int]]:
@@ -138,7 +148,7 @@ def rewrite(root: Path, episodes: Sequence[Frames]) -> None:
 def restate(root: Path) -> None:
     """Make all stored statistics right again, those of the dataset and those of each episode."""
     frames, lengths = read_dataset(root)
-    (root / STATS_PATH).write_text(json.dumps({name: statistics(values) for name, values in frames.items()}))
+    (root / STATS_PATH).write_text(json.dumps(_statistics_of(frames)))
     first = 0
     for path in shard_files(root):
         table = pq.read_table(path)
@@ -193,18 +203,29 @@ def to_numpy(column: pa.ChunkedArray) -> np.ndarray:
 
 
 def to_arrow(values: np.ndarray) -> pa.Array:
-    """Return (n,) as numbers and (n, size) as lists of fixed size, as LeRobot stores them."""
+    """Return (n,) as numbers, (n, size) as lists of fixed size and more as lists of lists, as LeRobot stores them."""
+    if values.ndim > 2:
+        return pa.array(values.tolist(), pa.list_(pa.list_(pa.from_numpy_dtype(values.dtype))))
     return pa.array(values) if values.ndim == 1 else pa.FixedSizeListArray.from_arrays(values.ravel(), values.shape[1])
+
+
+def _numbers_of(frames: Frames) -> Frames:
+    """Leave out the text: LeRobot has no statistics of it."""
+    return {name: values for name, values in frames.items() if values.dtype.kind in "biuf"}
+
+
+def _statistics_of(frames: Frames) -> dict[str, Any]:
+    return {name: statistics(values) for name, values in _numbers_of(frames).items()}
 
 
 def _numbers(path: Path) -> list[int]:
     return [int("".join(char for char in part if char.isdigit()) or 0) for part in path.parts[-2:]]
 
 
-def _bookkeeping(lengths: np.ndarray) -> Frames:
+def _bookkeeping(lengths: np.ndarray, fps: float) -> Frames:
     frame_index = np.concatenate([np.arange(length) for length in lengths])
     return {
-        "timestamp": (frame_index / CONTROL_HZ).astype(np.float32),
+        "timestamp": (frame_index / fps).astype(np.float32),
         "frame_index": frame_index,
         "episode_index": np.repeat(np.arange(len(lengths)), lengths),
         "index": np.arange(len(frame_index)),
@@ -232,20 +253,22 @@ def _write_info(root: Path, layout: Layout, n_episodes: int, n_frames: int, chan
     (root / "meta/info.json").write_text(json.dumps(info | changes, indent=4))
 
 
-def _write_tasks(root: Path) -> None:
+def _write_tasks(root: Path, tasks: Sequence[str]) -> None:
     import pandas as pd
 
-    pd.DataFrame({"task_index": [0]}, index=pd.Index(["test"], name="task")).to_parquet(root / "meta/tasks.parquet")
+    table = pd.DataFrame({"task_index": range(len(tasks))}, index=pd.Index(tasks, name="task"))
+    table.to_parquet(root / "meta/tasks.parquet")
 
 
-def _write_metadata(root: Path, frames: Frames, lengths: np.ndarray, layout: Layout) -> None:
+def _write_metadata(root: Path, frames: Frames, lengths: np.ndarray, layout: Layout, tasks: Sequence[str]) -> None:
     stops = np.cumsum(lengths)
     number = np.repeat(np.arange(len(layout.files)), layout.files)
     shard = np.repeat(np.arange(len(layout.shards)), layout.shards)
+    of_episodes = np.split(frames["task_index"], stops[:-1])
     table = pa.table(
         {
             "episode_index": np.arange(len(lengths)),
-            "tasks": pa.array([["test"]] * len(lengths)),
+            "tasks": pa.array([[tasks[task] for task in dict.fromkeys(own.tolist())] for own in of_episodes]),
             "length": lengths,
             "data/chunk_index": number // layout.chunk_size,
             "data/file_index": number % layout.chunk_size,
@@ -264,7 +287,7 @@ def _write_metadata(root: Path, frames: Frames, lengths: np.ndarray, layout: Lay
 
 def _statistics_columns(frames: Frames, starts: np.ndarray, stops: np.ndarray) -> dict[str, pa.Array]:
     columns = {}
-    for name, values in frames.items():
+    for name, values in _numbers_of(frames).items():
         rows = [statistics(values[start:stop]) for start, stop in zip(starts, stops, strict=True)]
         columns |= {f"stats/{name}/{what}": pa.array([row[what] for row in rows]) for what in rows[0]}
     return columns

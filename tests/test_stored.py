@@ -8,7 +8,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from damages import BASES, FAILED, LUCKY, relabel, true_from
+from damages import BASES, FAILED, LUCKY, relabel, true_from, wrong_in
 from layouts import BOOKKEEPING, Layout, write_dataset
 from stored import LENGTHS, SHAPES, SUCCESS, latched, record
 from test_cli import run
@@ -129,7 +129,7 @@ def test_a_goal_on_a_stored_column_works_from_end_to_end(column, datasets, tmp_p
     assert z2r.inspect_dataset(root, reading=reading).outcome.reached.tolist() == list(SUCCESS)
     assert answers(page_of(root, tmp_path, reading))["right"] == ("4 of 6", "67%")
     assert z2r.write_replay(root, tmp_path / "x.rrd", reading).n_episodes == len(SUCCESS)
-    assert not z2r.audit(root, reading=reading).findings
+    assert not wrong_in(z2r.audit(root, reading=reading))
 
 
 def test_the_command_counts_what_is_stored(datasets, tmp_path):
@@ -269,7 +269,7 @@ def test_a_success_that_was_lost_agrees_with_either_reading():
 @pytest.mark.parametrize("shape", SHAPES)
 def test_nothing_is_said_of_labels_that_lerobot_records(shape, datasets):
     audit = z2r.audit(datasets[shape])
-    assert not audit.findings, audit.findings
+    assert not wrong_in(audit), audit.findings
     assert any(line.startswith("success") for line in audit.not_checked) == (shape in ("sparse", "dense"))
 
 
@@ -296,20 +296,20 @@ HEALTHY: dict[str, Callable[[], dict[str, np.ndarray]]] = {
 @pytest.mark.parametrize("kind", HEALTHY)
 def test_nothing_is_said_of_healthy_labels(kind, tmp_path):
     audit = z2r.audit(write_labels(tmp_path / "d", HEALTHY[kind]()))
-    assert not audit.findings, audit.findings
+    assert not wrong_in(audit), audit.findings
 
 
 def test_one_failed_episode_is_no_label_that_was_never_filled_in(tmp_path):
     """Two of them may be; that is a note."""
     failed = {"success": np.zeros(40, dtype=bool)}
-    assert not z2r.audit(write_labels(tmp_path / "one", failed, (40,))).findings
+    assert not wrong_in(z2r.audit(write_labels(tmp_path / "one", failed, (40,))))
     audit = z2r.audit(write_labels(tmp_path / "two", failed, (25, 15)))
-    assert [(finding.check, finding.severity) for finding in audit.findings] == [("label-constant", "note")]
+    assert [(finding.check, finding.severity) for finding in wrong_in(audit)] == [("label-constant", "note")]
 
 
 def test_labels_that_cannot_be_read_in_one_file_are_not_judged_by_the_others(tmp_path):
     lost = each(lambda n, success: ((np.arange(n) == 3) & success) * 1.0)
-    checks = {finding.check for finding in z2r.audit(write_labels(tmp_path / "d", {"success": lost})).findings}
+    checks = {finding.check for finding in wrong_in(z2r.audit(write_labels(tmp_path / "d", {"success": lost})))}
     assert checks == {"success-lost"}
     lost[-1] = np.nan
     checks = {finding.check for finding in z2r.audit(write_labels(tmp_path / "e", {"success": lost})).findings}
@@ -321,7 +321,7 @@ def test_a_reward_that_cannot_be_read_in_one_file_is_not_judged_by_the_other(tmp
     success = each(lambda n, success: latched(n, success))
     unpaid = {"next.success": success, "next.reward": success * 1.0}
     unpaid["next.reward"][: LENGTHS[0]] = 0
-    checks = {finding.check for finding in z2r.audit(write_labels(tmp_path / "d", unpaid)).findings}
+    checks = {finding.check for finding in wrong_in(z2r.audit(write_labels(tmp_path / "d", unpaid)))}
     assert checks == {"success-reward"}
     unpaid["next.reward"][-1] = np.nan
     checks = {finding.check for finding in z2r.audit(write_labels(tmp_path / "e", unpaid)).findings}

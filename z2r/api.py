@@ -12,7 +12,9 @@ from typing import TYPE_CHECKING
 
 from z2r.arrays import Progress, no_progress
 from z2r.audits import audit as audits
+from z2r.audits import beliefs
 from z2r.audits.audit import Audit, all_checks
+from z2r.audits.beliefs import Beliefs
 from z2r.data import READINGS_DIR, find_dataset
 from z2r.errors import DatasetError, Fault
 from z2r.format.dataset import Dataset
@@ -215,9 +217,13 @@ def audit(
     Examples
     --------
     >>> import z2r
-    >>> z2r.audit("standin").findings
-    ()
-    >>> [finding.check for finding in z2r.audit("standin", z2r.break_mode("yaw-swap-everywhere")).findings]
+    >>> audit = z2r.audit("standin")
+    >>> audit.exit_code, [(finding.severity, finding.check) for finding in audit.findings]
+    (0, [('note', 'constant'), ('note', 'chunk')])
+    >>> audit.kept
+    (0, 1, 2, 3, 4, 5)
+    >>> wrong = z2r.audit("standin", z2r.break_mode("yaw-swap-everywhere"))
+    >>> [finding.check for finding in wrong.findings if finding.severity == "error"]
     ['overlap']
     """
     root = dataset.root if isinstance(dataset, Dataset) else _folder(dataset)
@@ -225,13 +231,53 @@ def audit(
     return audits.audit(root, mode, reading, scene_of(reading), progress, executor, pictures=pictures)
 
 
+def audit_beliefs(
+    dataset: Dataset | str | os.PathLike[str],
+    reading: Reading | None = None,
+    progress: Progress = no_progress,
+    executor: Executor | None = None,
+) -> Beliefs:
+    """Say which wrong beliefs a dataset refutes, and by which check: audit it as it is, and under every break mode.
+
+    Parameters
+    ----------
+    dataset : Dataset, str or path
+        As for `audit`. It must be whole.
+    reading : Reading, optional
+        What the columns mean; the one that ships and fits, unless given.
+    progress : callable, optional
+        Called with the number of audits done and the number of all, after each.
+    executor : Executor, optional
+        What runs each pass over the data files; threads unless given.
+
+    Raises
+    ------
+    DatasetError
+        If the dataset is not whole.
+
+    Examples
+    --------
+    >>> import z2r
+    >>> beliefs = {belief.mode: belief for belief in z2r.audit_beliefs("standin").beliefs}
+    >>> [beliefs[mode].verdict for mode in ("joints-exchanged", "no-wrap", "gripper-inverted")]
+    ['refuted', 'not refuted', 'does not apply']
+    """
+    root = dataset.root if isinstance(dataset, Dataset) else find_dataset(dataset)
+    reading = reading or reading_for(root)
+    return beliefs.audit_beliefs(root, reading, scene_of(reading), progress, executor)
+
+
 def write_replay(
     dataset: Dataset | str | os.PathLike[str],
     path: str | os.PathLike[str],
     reading: Reading | None = None,
     max_frames: int = MAX_REPLAY_FRAMES,
+    episode: int | None = None,
 ) -> "Replay":
-    """Write the first episodes of a dataset into a rerun recording (.rrd). Needs the extra ``view``.
+    """Write the first episodes of a dataset, or one of them, into a rerun recording (.rrd). Needs the extra ``view``.
+
+    It shows the cameras as their pictures lie on disk, never decoded, the numbers, the tasks, and what the reading
+    makes of them: a world, and how far the goals are.
 
     Parameters
     ----------
@@ -243,17 +289,28 @@ def write_replay(
         What the columns mean; the one that ships and fits, unless given.
     max_frames : int, optional
         Show whole episodes up to this many frames; of a longer first episode, its beginning.
+    episode : int, optional
+        The `episode_index` of the one to show.
+
+    Returns
+    -------
+    Replay
+        How much it shows, and in `left_out` which pictures it does not, and why: a video may be missing.
 
     Raises
     ------
     DatasetError
         If a data file is missing, damaged, or not what the schema and the index say.
+    ValueError
+        If there is no such episode.
     """
     from z2r.show import replay
 
     dataset = _loaded(dataset)
-    n_episodes = len(beginning(dataset.episodes, max_frames))
-    inspection = inspect_dataset(dataset.first(n_episodes), reading=reading, keep=max_frames)
+    if episode is None:
+        dataset = dataset.first(len(beginning(dataset.episodes, max_frames)))
+    reading = reading or choose_reading(dataset.schema)
+    inspection = inspections.inspect_dataset(dataset, None, reading, keep=max_frames, episode=episode)
     return replay.write_replay(inspection, Path(path), scene_of(inspection.reading))
 
 

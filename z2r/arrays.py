@@ -3,7 +3,7 @@
 Shapes stand beside the algebra: ``float64[n_frames, 2]`` in a docstring, ``# (n, 2)`` at the end of a line.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,12 @@ type Progress = Callable[[int, int], None]
 
 def no_progress(done: int, total: int) -> None:
     """Show no progress."""
+
+
+def join[T: np.generic](parts: Sequence[NDArray[T] | None]) -> NDArray[T] | None:
+    """Put the rows of all parts after each other; None where some part has none."""
+    known = [part for part in parts if part is not None]
+    return np.concatenate(known) if len(known) == len(parts) else None
 
 
 def reduce_parts[T: np.generic](function: np.ufunc, values: NDArray[T], starts: Ints, stops: Ints) -> NDArray[T]:

@@ -17,6 +17,9 @@ from z2r.errors import Fault
 
 type Severity = Literal["error", "warning", "note"]
 
+SEVERITIES: tuple[Severity, ...] = ("error", "warning", "note")
+"""All of them, the worst first."""
+
 type Answer = Fault | tuple[Severity, Fault]
 """What is wrong; with a severity where it is not that of the check."""
 
@@ -33,7 +36,7 @@ class Check:
         What holds where nothing is wrong, in a few words.
     severity : str
         How bad an answer is, unless it says otherwise. ``error``: a reader will fail or read something wrong.
-        ``warning``: it looks wrong; have a look. ``note``: harmless, and better mended.
+        ``warning``: it looks wrong; have a look. ``note``: good to know, and nothing fails because of it.
     """
 
     name: str

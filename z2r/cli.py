@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple, NoReturn
 
 import rich_click as click
 
-from z2r.data import SHIPPED, find_dataset
+from z2r.data import MESSY, STANDIN, find_dataset
 from z2r.errors import DatasetError, Fault, MissingExtraError, count
 from z2r.format.store import folder_name
 from z2r.pusht.task import DEMO_NOISE, MAX_STEPS
@@ -25,10 +25,12 @@ from z2r.reading.breaks import BREAK_MODES, BreakMode
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from z2r.audits.audit import Audit
     from z2r.format.dataset import Dataset
     from z2r.format.schema import Schema
     from z2r.reading.inspection import Inspection
     from z2r.reading.reading import Reading
+    from z2r.reading.verdict import Recording
 
 _SMOKE_STEPS = 40
 _SHIPPED_EPISODES = 6
@@ -98,12 +100,12 @@ def _reading(name: str | None) -> "Reading | None":
     return find_reading(name)
 
 
-def _break_option(text: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
+def _break_option(text: str, *more: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
     return click.option(
         "--break",
         "mode",
-        type=click.Choice(["none", *BREAK_MODES]),
-        callback=lambda context, parameter, name: BREAK_MODES.get(name),
+        type=click.Choice(["none", *more, *BREAK_MODES]),
+        callback=lambda context, parameter, name: name if name in more else BREAK_MODES.get(name),
         metavar="MODE",
         help=text,
     )
@@ -126,6 +128,9 @@ class _AuditCommand(click.RichCommand):
     type=click.IntRange(min=1),
     metavar="N",
     help="Read the first N episodes only; with `--seed` or `--smoke`, record N.",
+)
+@click.option(
+    "--episode", type=click.IntRange(min=0), metavar="N", help="Show episode N in `inspect.rrd`, and no other."
 )
 @click.option(
     "--seed",
@@ -157,6 +162,7 @@ def inspect(
     dataset: Path | None,
     *,
     episodes: int | None,
+    episode: int | None,
     seed: int | None,
     smoke: bool,
     reading: "Reading | None",
@@ -169,17 +175,18 @@ def inspect(
     """Say what is in a dataset: what a frame is, where episodes end, how many reached the target.
 
     DATASET is the folder of a LeRobot v3 dataset, or the name of one that comes with the package: `standin` (read
-    where none is named) or `messy`; or `user/name` as on the hub, where it was downloaded before: `z2r ls` lists them.
-    It is never written to, and nothing is fetched.
+    where none is named), `messy` or `arm`; or `user/name` as on the hub, where it was downloaded before: `z2r ls` lists
+    them. It is never written to, and nothing is fetched.
 
     A dataset seldom stores success. It is reconstructed from the last stored frame of each episode, by a reading: which
     column means what, and what counts as reached.
 
     - `z2r inspect my_dataset --reading my.toml` reads yours; `z2r reading my_dataset` drafts such a file
     - `z2r inspect --break yaw-swap` reads it wrong, to show what that looks like
-    - `rerun z2r-out/inspect.rrd` replays what was read
+    - `rerun z2r-out/inspect.rrd` replays what was read: its cameras, its numbers, its tasks
+    - `z2r inspect my_dataset --episode 7` puts that one into the replay
     """
-    from z2r.show.terminal import console
+    from z2r.show.terminal import console, graded
 
     with_replay = _can_replay(rerun, otherwise=not (smoke or as_json))
     wanted = _Wanted(episodes or _SHIPPED_EPISODES, seed or 0, _SMOKE_STEPS if smoke else MAX_STEPS)
@@ -192,12 +199,17 @@ def inspect(
     data, lost = _load(root, salvaged=salvage)
     screen = console(as_json)
     with _way_out(root, salvaged=salvage):
-        inspection = _inspect(_first(data, episodes), reading, mode, screen, with_replay=with_replay)
-    metrics = _write_metrics(inspection, title, root, out, lost if salvage else None)
+        inspection = _inspect(_first(data, episodes), reading, mode, screen, episode, with_replay=with_replay)
+    recording, no_verdict = _read_verdict(root)
+    metrics = _write_metrics(inspection, title, recording, out, lost if salvage else None)
     _say_what_was_found(screen, inspection, title, lost if salvage else None, given=reading is not None)
+    if recording:
+        screen.print(graded(inspection, recording))
+    if no_verdict:
+        screen.print(no_verdict, style="yellow", soft_wrap=True)
     screen.print(f"wrote {out / 'metrics.json'}", soft_wrap=True)
     if with_replay:
-        _write_replay(inspection, out / "inspect.rrd", screen)
+        _write_replay(inspection, out / "inspect.rrd", screen, episode)
     elif rerun is None and not smoke:
         screen.print(_NO_REPLAY, soft_wrap=True)
     if as_json:
@@ -209,18 +221,32 @@ def _inspect(
     reading: "Reading | None",
     mode: BreakMode | None,
     screen: "Console",
+    episode: int | None,
     *,
     with_replay: bool,
 ) -> "Inspection":
     """Read a dataset; say before it how long that takes, and what is read wrong."""
-    from z2r.api import MAX_REPLAY_FRAMES, choose_reading, inspect_dataset
+    from z2r.api import MAX_REPLAY_FRAMES, choose_reading
+    from z2r.reading.inspection import inspect_dataset
     from z2r.show.terminal import progress
 
     reading = _fitting(reading, dataset.schema) or choose_reading(dataset.schema)
+    _check_episode(episode, mode.dataset(dataset) if mode else dataset)
     _announce(screen, "inspect" if with_replay else "inspect --no-rerun", dataset)
-    _say_what_is_wrong(screen, mode, reading)
+    if mode:
+        _say_what_is_wrong(screen, mode, dataset, reading)
     with progress("reading", "frames", screen.quiet) as move:
-        return inspect_dataset(dataset, mode, reading, move, keep=MAX_REPLAY_FRAMES if with_replay else 0)
+        return inspect_dataset(
+            dataset, mode, reading, move, keep=MAX_REPLAY_FRAMES if with_replay else 0, episode=episode
+        )
+
+
+def _check_episode(episode: int | None, dataset: "Dataset") -> None:
+    try:
+        if episode is not None:
+            dataset.episodes.one(episode)
+    except ValueError as error:
+        raise click.UsageError(f"--episode: {error}") from None
 
 
 def _say_what_was_found(
@@ -233,9 +259,19 @@ def _say_what_was_found(
         screen.print(left_out(lost))
 
 
-def _refuse_inside(root: Path, out: Path) -> None:
+def _read_verdict(root: Path) -> "tuple[Recording | None, str]":
+    """Read the verdict beside a dataset, or say why it cannot be read: who only wants the dataset needs none."""
+    from z2r.reading.verdict import read_verdict
+
+    try:
+        return read_verdict(root), ""
+    except DatasetError as error:
+        return None, f"verdict: it cannot be read. {error}"
+
+
+def _refuse_inside(root: Path, out: Path, option: str = "--out") -> None:
     if out.resolve().is_relative_to(root.resolve()):
-        raise click.UsageError(f"{out} is inside the dataset, which is never written to: name another --out")
+        raise click.UsageError(f"{out} is inside the dataset, which is never written to: name another {option}")
 
 
 def _announce(screen: "Console", command: str, dataset: "Dataset") -> None:
@@ -245,12 +281,12 @@ def _announce(screen: "Console", command: str, dataset: "Dataset") -> None:
     screen.print(expectation(command, dataset.episodes.n_frames), soft_wrap=True)
 
 
-def _say_what_is_wrong(screen: "Console", mode: BreakMode | None, reading: "Reading | None") -> None:
-    """Say what is believed under a break mode, and whether there is anything here that it is about."""
+def _say_what_is_wrong(screen: "Console", mode: BreakMode, dataset: "Dataset", reading: "Reading | None") -> None:
+    """Say what is believed under a break mode, of which columns, and whether there is anything here it is about."""
     from z2r.show.terminal import wrong_on_purpose
 
-    if mode:
-        screen.print(wrong_on_purpose(mode, mode.applies_to(reading)))
+    applies, columns = mode.applies_to(dataset, reading), mode.columns(dataset.schema, reading)
+    screen.print(wrong_on_purpose(mode, applies, columns))
 
 
 def _fitting(reading: "Reading | None", schema: "Schema") -> "Reading | None":
@@ -316,18 +352,16 @@ def _first(dataset: "Dataset", n_episodes: int | None) -> "Dataset":
         return dataset
     if n_episodes > (there := len(dataset.episodes)):
         more = f". To record {n_episodes}: z2r inspect --seed 0 --episodes {n_episodes}"
-        advice = more if dataset.root in SHIPPED.values() else ""
+        advice = more if dataset.root in (STANDIN, MESSY) else ""
         raise click.UsageError(f"--episodes: found {n_episodes} asked for, expected at most {there:,}{advice}")
     return dataset.first(n_episodes)
 
 
 def _write_metrics(
-    inspection: "Inspection", title: str, root: Path, out: Path, left_out: tuple[str, ...] | None
+    inspection: "Inspection", title: str, recording: "Recording | None", out: Path, left_out: tuple[str, ...] | None
 ) -> bytes:
-    from z2r.pusht.verdict import read_verdict
     from z2r.reading.inspection import metrics_json
 
-    recording = read_verdict(root)
     numbers = inspection.metrics(title, recording.episodes[0].seed if recording else None)
     if left_out is not None:
         episodes_read = range(len(inspection.episodes))
@@ -346,7 +380,7 @@ class _NoPandas(MetaPathFinder):
             raise ModuleNotFoundError(name)
 
 
-def _write_replay(inspection: "Inspection", path: Path, screen: "Console") -> None:
+def _write_replay(inspection: "Inspection", path: Path, screen: "Console", episode: int | None) -> None:
     from z2r.api import scene_of
 
     sys.meta_path.insert(0, _NoPandas())
@@ -356,9 +390,13 @@ def _write_replay(inspection: "Inspection", path: Path, screen: "Console") -> No
     screen.print(f"wrote {replay.path}: look at it with `rerun {replay.path}`", soft_wrap=True)
     episodes = inspection.episodes
     if replay.n_frames < episodes.n_frames:
-        shown = f"{replay.n_episodes:,} of {len(episodes):,} episodes"
+        shown = f"the first {replay.n_episodes:,} of {len(episodes):,} episodes"
+        if episode is not None:
+            shown = f"episode {episode}, one of {len(episodes):,}"
         frames = f"{replay.n_frames:,} of {episodes.n_frames:,} frames"
-        screen.print(f"it shows the first {shown} ({frames}); the others are left out", soft_wrap=True)
+        screen.print(f"it shows {shown} ({frames}); the others are left out", soft_wrap=True)
+    for line in replay.left_out:
+        screen.print(f"not in it: {line}", soft_wrap=True)
 
 
 @cli.command()
@@ -400,11 +438,27 @@ def report(dataset: Path | None, *, reading: "Reading | None", out: Path) -> Non
 @cli.command(cls=_AuditCommand)
 @_names_a_dataset
 @_reads_as
-@_break_option("Audit it as it is read under one of the mistakes that `z2r inspect --help` names: is it noticed?")
+@_break_option(
+    "Audit it as it is read under one of the mistakes that `z2r inspect --help` names: is it noticed? `all` tables"
+    " which of them are, and by which check.",
+    "all",
+)
+@click.option(
+    "--keep",
+    type=click.Path(path_type=Path, dir_okay=False),
+    metavar="FILE",
+    help="Write the numbers of the episodes that no error is about, as `lerobot-train --dataset.episodes` takes them.",
+)
 @click.option("--pictures", is_flag=True, help="Decode some pictures of every episode, too. Needs the extra `video`.")
 @click.option("--json", "as_json", is_flag=True, help="Print the findings as JSON and nothing else.")
 def audit(
-    dataset: Path | None, *, reading: "Reading | None", mode: BreakMode | None, pictures: bool, as_json: bool
+    dataset: Path | None,
+    *,
+    reading: "Reading | None",
+    mode: BreakMode | str | None,
+    keep: Path | None,
+    pictures: bool,
+    as_json: bool,
 ) -> None:
     """Say what is wrong with a dataset: each finding with what was found, what was expected, and how to mend it.
 
@@ -415,32 +469,73 @@ def audit(
     was not checked.
 
     The exit code is 0 where there is no error and no warning, 1 where there is one, and 2 where the dataset cannot be
-    read.
+    read. A note is good to know before training, and fails nothing. With `--break all` it is 0 whatever is refuted, and
+    2 where the dataset is not whole.
 
     - `z2r audit my_dataset && train my_dataset` trains on nothing that is broken
+    - `z2r audit my_dataset --keep good.json`, and `lerobot-train --dataset.episodes="$(cat good.json)" ...` leaves the
+      episodes out that have an error
     - `z2r audit my_dataset --pictures` also sees a camera that is black or frozen, or films another episode
     - `z2r audit my_dataset --json` is for scripts
     - `z2r audit --break yaw-swap-everywhere` finds by a number what the share reached hides
+    - `z2r audit my_dataset --break all` says which wrong beliefs about it the data refutes, and which it cannot
     """
     import msgspec
 
     from z2r.api import audit as audit_dataset
-    from z2r.api import reading_for
+    from z2r.api import load, reading_for
     from z2r.format.schema import read_schema
     from z2r.show.terminal import audit_report, console, progress
 
     root = find_dataset(dataset)
     title = folder_name(root)
     screen = console(as_json)
+    if keep:
+        _refuse_inside(root, keep, "--keep")
     with contextlib.suppress(DatasetError):  # of a schema that cannot be read, the audit says why
         _fitting(reading, read_schema(root))
-    _say_what_is_wrong(screen, mode, reading or reading_for(root))
+    if isinstance(mode, str):
+        _audit_beliefs(root, reading, screen)
+        return
+    if mode:
+        _say_what_is_wrong(screen, mode, load(root), reading or reading_for(root))
     with progress("auditing", "data files, then episodes of cameras" if pictures else "data files", as_json) as move:
         found = audit_dataset(root, mode, reading, move, pictures=pictures)
-    screen.print(audit_report(found, title))
+    screen.print(audit_report(found, title), crop=False)
+    if keep:
+        _write_kept(found, keep, screen)
     if as_json:
         click.echo(msgspec.json.format(msgspec.json.encode(found.to_dict(title)), indent=2))
     sys.exit(found.exit_code)
+
+
+def _write_kept(found: "Audit", path: Path, screen: "Console") -> None:
+    """Write the episodes that no error is about, and say of which errors that tells nothing."""
+    if not found.readable:
+        screen.print(f"did not write {path}: nobody knows what an episode is", soft_wrap=True)
+        return
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(f"{[*found.kept]}\n", encoding="utf-8")
+    screen.print(f"wrote {path}: {len(found.kept):,} of {count(found.n_episodes, 'episode')}", soft_wrap=True)
+    if found.of_all:
+        screen.print(
+            f"errors that are about no episode in particular keep none out: {', '.join(found.of_all)}", soft_wrap=True
+        )
+
+
+def _audit_beliefs(root: Path, reading: "Reading | None", screen: "Console") -> None:
+    """Say which wrong beliefs a dataset refutes; as JSON where the screen is quiet."""
+    import msgspec
+
+    from z2r.api import audit_beliefs
+    from z2r.show.terminal import beliefs_report, progress
+
+    with progress("auditing", "beliefs", screen.quiet) as move:
+        found = audit_beliefs(root, reading, move)
+    title = folder_name(root)
+    screen.print(beliefs_report(found, title))
+    if screen.quiet:
+        click.echo(msgspec.json.format(msgspec.json.encode(found.to_dict(title)), indent=2))
 
 
 @cli.command()
@@ -570,7 +665,7 @@ def _record_afresh(out: Path, wanted: _Wanted, *, quiet: bool) -> Path:
 @contextlib.contextmanager
 def _replacing_a_recording(root: Path) -> Iterator[None]:
     """Make way for a new recording; the one that is there comes back if no new one comes about."""
-    from z2r.pusht.verdict import read_verdict, verdict_path
+    from z2r.reading.verdict import read_verdict, verdict_path
 
     verdict = verdict_path(root)
     if read_verdict(root) is None:

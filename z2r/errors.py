@@ -21,6 +21,8 @@ class Fault(NamedTuple):
         What is there, and what should be; written with `str`.
     mend : str
         What to do about it: a command where there is one; empty where nothing better can be said than what is expected.
+    episodes : tuple of int
+        The `episode_index` of every episode that it is about; empty where it is about none of them in particular.
 
     Examples
     --------
@@ -33,6 +35,7 @@ class Fault(NamedTuple):
     found: object
     expected: object
     mend: str = ""
+    episodes: tuple[int, ...] = ()
 
     def below(self, root: Path) -> "Fault":
         """Return the fault with its path, which is relative to the dataset, below `root`."""

@@ -13,24 +13,29 @@ from pathlib import Path
 from typing import Any
 
 import msgspec
-import numpy as np
+from msgspec.structs import replace
 
 from z2r.arrays import Ints, Progress, no_progress
-from z2r.audits import cameras, index, labels, pictures, structure, values
+from z2r.audits import cameras, index, joints, labels, motion, pictures, readiness, stats, structure, tasks, values
 from z2r.audits.claims import Claims, NoSchema, Stored, claims_under, read_claims
 from z2r.audits.findings import AUDIT, Finding, ask, failed
+from z2r.audits.following import Pair, fold_following, join_following, pairs_of
 from z2r.audits.footage import FileImages, Footage, read_file_images, read_footage, sum_images, sum_way
 from z2r.audits.frames import FileClaims, FileFrames, file_claims, run_stats
 from z2r.audits.glances import glance_at, join_filmed
+from z2r.audits.joints import Joints
 from z2r.audits.labels import Labels, fold_labels, join_labels
 from z2r.audits.looks import Looks, looks_of_glances, looks_of_sizes
+from z2r.audits.readiness import fold_idle
 from z2r.audits.runs import FileSums, Runs, join_runs
-from z2r.check import Check, asked_of, parts_in
+from z2r.audits.steps import moves, run_steps
+from z2r.audits.tasks import fold_tasks
+from z2r.check import SEVERITIES, Check, asked_of, parts_in
 from z2r.errors import DatasetError, some
 from z2r.format.about import cameras_of
 from z2r.format.dataset import in_order
 from z2r.format.decoding import check_can_decode
-from z2r.format.schema import MAX_SIGNAL_SIZE, Schema
+from z2r.format.schema import ACTION, MAX_SIGNAL_SIZE, Schema
 from z2r.format.tables import read_data_file
 from z2r.reading.breaks import BreakMode
 from z2r.reading.decode import can_decode, decode
@@ -40,7 +45,7 @@ from z2r.reading.stored import label_in
 
 MAX_OF_A_CHECK = 5  # findings in detail: a fault that is in every file would hide the others
 
-PARTS = parts_in(structure, index, values, labels, cameras, pictures)
+PARTS = parts_in(structure, index, tasks, values, joints, motion, stats, labels, readiness, cameras, pictures)
 """What every dataset is asked, in the order in which findings come."""
 
 
@@ -69,6 +74,10 @@ class Audit(msgspec.Struct, frozen=True):
         How many there are, as far as they could be read.
     break_mode : str or None
         Which assumption was wrong on purpose.
+    kept : tuple of int
+        The `episode_index` of every episode that no error is about: what `lerobot-train --dataset.episodes` takes. An
+        error that is about no episode in particular keeps none out (`of_all`), nor does a warning. LeRobot opens all
+        files below `data`: one that is broken must be moved away all the same.
     readable : bool
         False where `meta/info.json` or all episode metadata cannot be read, so that no frame was looked at.
     """
@@ -79,6 +88,7 @@ class Audit(msgspec.Struct, frozen=True):
     n_episodes: int
     n_frames: int
     break_mode: str | None
+    kept: tuple[int, ...]
     readable: bool
 
     @property
@@ -87,6 +97,12 @@ class Audit(msgspec.Struct, frozen=True):
         if not self.readable:
             return 2
         return int(any(finding.severity != "note" for finding in self.findings))
+
+    @property
+    def of_all(self) -> tuple[str, ...]:
+        """The checks of which an error is about no episode in particular, and keeps none out of `kept`."""
+        errors = (each for each in self.findings if each.severity == "error" and not each.episodes)
+        return tuple(dict.fromkeys(each.check for each in errors))
 
     def to_dict(self, source: str) -> dict[str, Any]:
         """Return the audit as plain Python values for `z2r audit --json`; keys are added and never renamed.
@@ -101,7 +117,7 @@ class Audit(msgspec.Struct, frozen=True):
         dict
             ``source``, ``break_mode``, ``exit_code``, ``n_episodes``, ``n_frames``; ``n_errors``, ``n_warnings``,
             ``n_notes``, of those in ``findings``; ``findings``, each with ``check``, ``severity``, ``file``, ``field``,
-            ``found``, ``expected`` and ``mend``; ``more``, how many findings of a check are left out; and
+            ``found``, ``expected``, ``mend`` and ``episodes``; ``more``, how many findings of a check are left out; and
             ``not_checked``.
         """
         counts = Counter(finding.severity for finding in self.findings)
@@ -111,8 +127,8 @@ class Audit(msgspec.Struct, frozen=True):
             "exit_code": self.exit_code,
             "n_episodes": self.n_episodes,
             "n_frames": self.n_frames,
-            **{f"n_{severity}s": counts[severity] for severity in ("error", "warning", "note")},
-            "findings": [msgspec.to_builtins(finding) for finding in self.findings],
+            **{f"n_{severity}s": counts[severity] for severity in SEVERITIES},
+            "findings": [msgspec.to_builtins(each) | {"episodes": [*each.episodes]} for each in self.findings],
             "more": self.more,
             "not_checked": list(self.not_checked),
         }
@@ -174,6 +190,7 @@ def audit(
         n_episodes=len(claims.table.number),
         n_frames=sum(part.n_rows or 0 for part in sums),
         break_mode=mode.name if mode else None,
+        kept=_without_error(claims.table.number, findings),
         readable=True,
     )
 
@@ -185,7 +202,8 @@ def _fold_files(
     progress: Progress,
     executor: Executor | None,
 ) -> list[FileSums]:
-    work = partial(_fold_file, claims.root, claims.schema, claims.stored.tasks.value, claims.reading, scene)
+    pairs = pairs_of(claims.schema, claims.reading)
+    work = partial(_fold_file, claims.root, claims.schema, claims.stored.task_numbers, claims.reading, pairs, scene)
     sums = []
     for part in in_order(work, files, executor):
         sums.append(part)
@@ -194,24 +212,45 @@ def _fold_files(
 
 
 def _fold_file(
-    root: Path, schema: Schema, tasks: Ints | None, reading: Reading | None, scene: Scene | None, claims: FileClaims
+    root: Path,
+    schema: Schema,
+    tasks: Ints | None,
+    reading: Reading | None,
+    pairs: Sequence[Pair],
+    scene: Scene | None,
+    claims: FileClaims,
 ) -> FileSums:
     """Read one data file, ask of it all that there is to ask, and keep what the others are held against."""
-    nothing = np.array([], dtype=np.int64)
     try:
-        frames = FileFrames(claims, schema, tasks, read_data_file(root, schema, claims.path))
-        findings = [*ask(asked_of(FileFrames, PARTS), frames)]
+        frames = FileFrames(claims, schema, tasks, claims.taken(read_data_file(root, schema, claims.path)))
+        findings = [_of_the_file(each, claims) for each in ask(asked_of(FileFrames, PARTS), frames)]
         if not frames.read.n_rows:
-            return FileSums(frames.read.n_rows, findings, nothing, None, {}, None, None, {}, None)
-        number, starts = frames.counts.get("episode_index"), frames.run_starts
-        stats = {name: run_stats(signal, starts) for name, signal in frames.signals.items()}
-        numbers, scene_sums = None if number is None else number[starts], _fold_scene(scene, frames, reading, findings)
-        said, pictures = fold_labels(frames, reading), read_file_images(root, frames)
-        findings += ask(asked_of(FileImages, PARTS), pictures)
-        images, way = sum_images(pictures), sum_way(frames)
-        return FileSums(frames.read.n_rows, findings, starts, numbers, stats, said, scene_sums, images, way)
+            return FileSums(frames.read.n_rows, findings)
+        images = read_file_images(root, frames)
+        findings += ask(asked_of(FileImages, PARTS), images)
+        number, starts, signals = frames.counts.get("episode_index"), frames.run_starts, frames.signals
+        return FileSums(
+            n_rows=frames.read.n_rows,
+            findings=findings,
+            starts=starts,
+            numbers=None if number is None else number[starts],
+            stats={name: run_stats(signal, starts) for name, signal in signals.items()},
+            steps={name: run_steps(signal, starts, schema.fps) for name, signal in signals.items() if moves(name)},
+            following=fold_following(pairs, signals, starts),
+            labels=fold_labels(frames, reading),
+            scene=_fold_scene(scene, frames, reading, findings),
+            idle=fold_idle(frames),
+            tasks=fold_tasks(frames),
+            images=sum_images(images),
+            way=sum_way(frames),
+        )
     except Exception as error:
-        return FileSums(None, [failed(claims.path.as_posix(), error)], nothing, None, {}, None, None, {}, None)
+        return FileSums(None, [failed(claims.path.as_posix(), error)])
+
+
+def _of_the_file(finding: Finding, claims: FileClaims) -> Finding:
+    """Where nobody can say in which rows of a file something is wrong, it is wrong with all of its episodes."""
+    return finding if finding.episodes else replace(finding, episodes=claims.numbers)
 
 
 def _fold_scene(scene: Scene | None, frames: FileFrames, reading: Reading | None, findings: list[Finding]) -> Any:
@@ -234,6 +273,12 @@ def _ask_of_all(
         yield from ask(asked_of(Runs, PARTS), runs)
         said = [part for number in runs.read if (part := sums[number].labels)]
         yield from ask(asked_of(Labels, PARTS), join_labels(claims.schema, claims.reading, runs.number, said))
+        following = [each for number in runs.read if (each := sums[number].following)]
+        if len(following) == len(runs.read):
+            pairs = pairs_of(claims.schema, claims.reading)
+            ranges = runs.spans(ACTION)[[pair.dim for pair in pairs]]
+            joints_of_all = Joints(pairs, runs.number, join_following(following), ranges)
+            yield from ask(asked_of(Joints, PARTS), joints_of_all)
     if scene and claims.reading and _has_scene(sums):
         folded = [(file.path, part.scene) for file, part in zip(files, sums, strict=True) if part.n_rows]
         paths, scene_sums = zip(*folded, strict=True)
@@ -282,6 +327,8 @@ def _not_checked(claims: Claims, sums: Sequence[FileSums], scene: Scene | None) 
     wide = [name for name, feature in features if feature.is_numeric and feature.size > MAX_SIGNAL_SIZE]
     if wide:
         yield f"the values of {some(wide)}: more than {MAX_SIGNAL_SIZE} numbers a frame"
+    if claims.misread:
+        yield f"stored statistics of {some(claims.misread.features)}: of what is stored, whatever that is taken for"
     yield "stored quantiles (q01, q10 ...): LeRobot estimates them, so they need not be those of the data"
     yield "whether the text of a task is true, and whether the demonstrations are any good"
 
@@ -317,15 +364,20 @@ def _ended(findings: Sequence[Finding], mode: BreakMode | None) -> Audit:
     nothing_else = "everything else: without meta/info.json and the episode metadata, frames mean nothing"
     kept, more = _in_order(findings, all_checks())
     name = mode.name if mode else None
-    return Audit(kept, more, (*_failed(findings), nothing_else), 0, 0, name, readable=False)
+    return Audit(kept, more, (*_failed(findings), nothing_else), 0, 0, name, kept=(), readable=False)
+
+
+def _without_error(numbers: Ints, findings: Iterable[Finding]) -> tuple[int, ...]:
+    wrong = {number for finding in findings if finding.severity == "error" for number in finding.episodes}
+    return tuple(number for number in numbers.tolist() if number not in wrong)
 
 
 def _in_order(findings: Iterable[Finding], checks: Sequence[Check]) -> tuple[tuple[Finding, ...], dict[str, int]]:
-    """Sort findings by their checks, keep the first of each, and count the others."""
+    """Sort findings by their checks, the worst of each first; keep some of each, and count the others."""
     order = [check.name for check in checks]
     seen: Counter[str] = Counter()
     kept = []
-    for finding in sorted(findings, key=lambda finding: order.index(finding.check)):
+    for finding in sorted(findings, key=lambda each: (order.index(each.check), SEVERITIES.index(each.severity))):
         seen[finding.check] += 1
         if seen[finding.check] <= MAX_OF_A_CHECK:
             kept.append(finding)

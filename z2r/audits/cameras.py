@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from z2r.arrays import Bools, Ints
 from z2r.audits.footage import FileImages, Footage, VideoClaims, VideoSums
 from z2r.audits.frames import FileFrames
 from z2r.audits.index import TIME_TOLERANCE
@@ -15,20 +16,23 @@ from z2r.errors import Fault, count
 from z2r.format.about import axes_of, cameras_of, said_of
 from z2r.format.episodes import EPISODES_DIR
 from z2r.format.images import Format, Images
-from z2r.format.rules import and_more
+from z2r.format.rules import and_more, episodes_of
 from z2r.format.schema import INFO_PATH, Feature
 from z2r.format.store import digest
 
 _CODECS = ("h264", "hevc", "av1", "vp9")  # those that the index of an mp4 tells apart
 _COLOURS = 3  # LeRobot 0.6.1 decodes every video to RGB, but for depth maps (`lerobot/datasets/video_utils.py`)
 _SAME_RATE = 0.01  # of the rate
+_IN_A_ROW = 300  # pictures: encoders that are not told otherwise write 250
 _NOT_ITS_OWN = "The metadata and the videos are of different recordings, or one was edited without the other"
 
 
 @VIDEO_FILE.of(Footage)
 def videos_can_be_read(footage: Footage) -> Iterator[Answer]:
     """Is every video there, whole, and with its index?"""
-    yield from (said for said in footage.sums if isinstance(said, Fault))
+    for video, said in zip(footage.videos, footage.sums, strict=True):
+        if isinstance(said, Fault):
+            yield said._replace(episodes=_numbers(footage, video))
 
 
 CAMERA_FORMAT = Check("camera-format", "pictures have the size, rate and codec that meta/info.json says", "error")
@@ -40,19 +44,22 @@ def videos_have_their_format(footage: Footage) -> Iterator[Answer]:
     schema = footage.claims.schema
     sizes = {camera: _claimed_sizes(schema.features[camera]) for camera in footage.claims.videos.value}
     for video, said in _read(footage):
-        size, others = (said.height, said.width), sizes.keys() - {video.camera}
+        size, named = (said.height, said.width), _numbers(footage, video)
+        others = sizes.keys() - {video.camera}
         like = sorted(camera for camera in others if any(size in possible for possible in sizes[camera].values()))
         for place, possible in sizes[video.camera].items():
             if size not in possible:
                 mend = f"{like[0]} has that size: are the two exchanged?" if like else ""
                 expected = f"{_by(*possible[0])}, as {place} in meta/info.json says"
-                yield Fault(video.path, "height x width", _by(*size), expected, mend)
+                yield Fault(video.path, "height x width", _by(*size), expected, mend, named)
         if _is_off(said.fps, schema.fps):
             mend = "LeRobot looks for the picture of a frame by its time: encode it again, or mend fps"
-            yield Fault(video.path, "fps", f"{said.fps:.4g}", f"{schema.fps:g}, as meta/info.json says", mend)
+            expected = f"{schema.fps:g}, as meta/info.json says"
+            yield Fault(video.path, "fps", f"{said.fps:.4g}", expected, mend, named)
         codec = said_of(schema.features[video.camera]).get("video.codec")
         if codec in _CODECS and said.codec != codec:
-            yield "note", Fault(video.path, "codec", said.codec, f"{codec}, as meta/info.json says")
+            expected = f"{codec}, as meta/info.json says"
+            yield "note", Fault(video.path, "codec", said.codec, expected, episodes=named)
 
 
 @CAMERA_FORMAT.of(Footage)
@@ -72,6 +79,17 @@ def the_schema_agrees_with_itself(footage: Footage) -> Iterator[Answer]:
             yield "warning", Fault(INFO_PATH, place, fps, f"{schema.fps:g}, as fps says")
 
 
+@CAMERA_FORMAT.of(Footage)
+def pictures_can_be_read_by_themselves(footage: Footage) -> Iterator[Answer]:
+    """How many pictures must be decoded to see one? All since the last that can be decoded alone."""
+    for video, said in _read(footage):
+        if said.in_a_row > _IN_A_ROW:
+            found = f"{said.in_a_row:,} in a row that cannot be decoded alone"
+            mend = "To read one frame, all before it are decoded: slow. Encode it again, with a smaller g"
+            expected = f"{_IN_A_ROW} at most; LeRobot writes every second so that it can"
+            yield "note", Fault(video.path, "pictures", found, expected, mend, _numbers(footage, video))
+
+
 @Check("video-length", "a video has as many pictures as its episodes have frames", "error").of(Footage)
 def video_length(footage: Footage) -> Iterator[Answer]:
     """Has every video as many pictures as its episodes have frames? More of them are harmless."""
@@ -79,9 +97,10 @@ def video_length(footage: Footage) -> Iterator[Answer]:
         n_frames = video.n_frames
         if said.n_pictures < n_frames:
             order = np.argsort(video.start, kind="stable")
-            first = order[np.searchsorted(np.cumsum(video.lengths[order]), said.n_pictures, side="right")]
-            mend = f"There is no picture for what comes after: from episode {_number(footage, video, first)} on"
-            yield Fault(video.path, "", count(said.n_pictures, "picture"), _for_frames(video), mend)
+            unseen = order[np.searchsorted(np.cumsum(video.lengths[order]), said.n_pictures, side="right") :]
+            mend = f"There is no picture for what comes after: from episode {_number(footage, video, unseen[0])} on"
+            found, named = count(said.n_pictures, "picture"), _numbers(footage, video, unseen)
+            yield Fault(video.path, "", found, _for_frames(video), mend, named)
         elif said.n_pictures > n_frames:
             mend = "No frame needs the others"
             yield "note", Fault(video.path, "", count(said.n_pictures, "picture"), _for_frames(video), mend)
@@ -101,7 +120,8 @@ def spans_are_as_long_as_their_frames(footage: Footage) -> Iterator[Answer]:
             row = int(wrong.argmax())
             found = f"from {spans.start[row]:.6g} s to {spans.stop[row]:.6g} s{and_more(wrong)}"
             expected = f"{table.length[row] / fps:.6g} s, which is {count(table.length[row], 'frame')} at {fps:g} fps"
-            yield Fault(EPISODES_DIR, f"videos/{camera} of episode {table.number[row]}", found, expected, _NOT_ITS_OWN)
+            place, named = f"videos/{camera} of episode {table.number[row]}", episodes_of(table.number, wrong)
+            yield Fault(EPISODES_DIR, place, found, expected, _NOT_ITS_OWN, named)
 
 
 @VIDEO_SPAN.of(Footage)
@@ -117,14 +137,18 @@ def spans_are_apart(footage: Footage) -> Iterator[Answer]:
             before, after = (_number(footage, video, order[each]) for each in (place, place + 1))
             found = f"{start[place + 1]:.6g} s{and_more(overlaps)}"
             expected = f"{stop[place]:.6g} s or more: until then, {video.path.as_posix()} shows episode {before}"
-            yield Fault(EPISODES_DIR, f"videos/{video.camera}/from_timestamp of episode {after}", found, expected)
+            field = f"videos/{video.camera}/from_timestamp of episode {after}"
+            both = np.append(order[1:][overlaps], order[:-1][overlaps])
+            yield Fault(EPISODES_DIR, field, found, expected, episodes=_numbers(footage, video, both))
         elif (back := np.diff(video.start) < 0).any():
             place = int(back.argmax())
             before, after = (_number(footage, video, each) for each in (place, place + 1))
             found = f"{video.start[place + 1]:.6g} s{and_more(back)}"
             expected = f"more than {video.start[place]:.6g} s, where episode {before} begins"
             field = f"videos/{video.camera}/from_timestamp of episode {after}"
-            yield "warning", Fault(EPISODES_DIR, field, found, expected, "Two episodes may be exchanged: look at them")
+            mend, both = "Two episodes may be exchanged: look at them", np.flatnonzero(back)
+            named = _numbers(footage, video, np.append(both, both + 1))
+            yield "warning", Fault(EPISODES_DIR, field, found, expected, mend, named)
 
 
 @VIDEO_SPAN.of(Footage)
@@ -138,7 +162,7 @@ def spans_are_within_their_video(footage: Footage) -> Iterator[Answer]:
             found = f"{video.stop[place]:.6g} s{and_more(wrong)}"
             expected = f"{said.duration:.6g} s at most: then {video.path.as_posix()} ends"
             field = f"videos/{video.camera}/to_timestamp of episode {_number(footage, video, place)}"
-            yield Fault(EPISODES_DIR, field, found, expected, _NOT_ITS_OWN)
+            yield Fault(EPISODES_DIR, field, found, expected, _NOT_ITS_OWN, _numbers(footage, video, wrong))
 
 
 @Check("video-time", "every frame has a picture at its time", "error").of(Footage)
@@ -151,7 +175,8 @@ def video_time(footage: Footage) -> Iterator[Answer]:
             found = f"the nearest picture of a frame {1000 * said.pictures.off[place]:.4g} ms away{and_more(wrong)}"
             expected = f"{1000 * TIME_TOLERANCE:g} ms at most, the `tolerance_s` of LeRobot"
             field = f"videos/{video.camera}/from_timestamp of episode {_number(footage, video, place)}"
-            yield Fault(video.path, field, found, expected, "LeRobot stops at such a frame")
+            mend = "LeRobot stops at such a frame"
+            yield Fault(video.path, field, found, expected, mend, _numbers(footage, video, wrong))
 
 
 @DATA_FILE.of(FileImages)
@@ -172,7 +197,8 @@ def an_image_in_each_row(images: FileImages) -> Iterator[Answer]:
     for name, said in images.read.items():
         if isinstance(said, Images) and (missing := said.sizes == 0).any():
             place = f"{name} in row {int(missing.argmax())}"
-            yield Fault(images.frames.path, place, f"no picture{and_more(missing)}", "a picture for each frame")
+            found, named = f"no picture{and_more(missing)}", images.frames.episodes_in(missing)
+            yield Fault(images.frames.path, place, found, "a picture for each frame", episodes=named)
 
 
 @CAMERA_FORMAT.of(FileImages)
@@ -217,7 +243,8 @@ def no_video_is_there_twice(footage: Footage) -> Iterator[Answer]:
             of_another = (
                 f"the video of {same.camera}" if same.path == video.path else f"a copy of {same.path.as_posix()}"
             )
-            yield Fault(video.path, video.camera, of_another, "a video of its own")
+            named = _numbers(footage, video)
+            yield Fault(video.path, video.camera, of_another, "a video of its own", episodes=named)
 
 
 def _read(footage: Footage) -> Iterator[tuple[VideoClaims, VideoSums]]:
@@ -236,6 +263,11 @@ def _with_a_picture_for_each_frame(footage: Footage) -> Iterator[tuple[VideoClai
 def _number(footage: Footage, video: VideoClaims, place: int) -> int:
     """Return what the dataset calls an episode, by its place among those of a video."""
     return int(footage.claims.stored.episodes.value.table.number[video.rows[place]])
+
+
+def _numbers(footage: Footage, video: VideoClaims, places: Bools | Ints | slice = slice(None)) -> tuple[int, ...]:
+    """List what the dataset calls some episodes of a video, or all of them."""
+    return episodes_of(footage.claims.stored.episodes.value.table.number, video.rows[places])
 
 
 def _for_frames(video: VideoClaims) -> str:

@@ -11,9 +11,10 @@ from z2r.errors import DatasetError, Fault
 from z2r.format import rules
 from z2r.format.dataset import Dataset, load
 from z2r.format.episodes import EpisodeIndex, EpisodeTable
+from z2r.format.misread import Misread
 from z2r.format.schema import Schema, read_schema
 from z2r.format.store import find
-from z2r.format.tables import Episodes, Read, Stated, read_episodes, read_stated, read_stats, read_tasks
+from z2r.format.tables import Episodes, Read, Stated, Tasks, read_episodes, read_stated, read_stats, read_tasks
 from z2r.format.videos import Spans, read_videos
 from z2r.reading.breaks import BreakMode
 from z2r.reading.reading import Reading
@@ -31,8 +32,13 @@ class Stored(NamedTuple):
     schema: Schema
     stated: Read[Stated]
     episodes: Read[Episodes]
-    tasks: Read[Ints | None]
+    tasks: Read[Tasks | None]
     stats: Read[dict[str, dict[str, Any]] | None]
+
+    @property
+    def task_numbers(self) -> Ints | None:
+        """What frames call the tasks; None where they cannot be read."""
+        return self.tasks.value.number if self.tasks.value else None
 
 
 class Claims(NamedTuple):
@@ -54,6 +60,8 @@ class Claims(NamedTuple):
         What the columns are taken to mean.
     trusted : bool
         Whether the table is taken at its word.
+    misread : Misread or None
+        What some columns are taken for.
     """
 
     root: Path
@@ -65,6 +73,7 @@ class Claims(NamedTuple):
     found: Read[tuple[Path, ...]]
     reading: Reading | None
     trusted: bool
+    misread: Misread | None = None
 
     @property
     def episodes(self) -> EpisodeIndex:
@@ -96,10 +105,10 @@ def claims_under(mode: BreakMode, root: Path, reading: Reading | None) -> Claims
     DatasetError
         If the dataset is not whole.
     """
-    believed = mode.dataset(load(root))
+    believed, wrong = mode.believe(load(root), reading)
     table, paths = _table_of(believed)
-    claims = read_claims(root, reading and mode.reading(reading))
-    return claims._replace(schema=believed.schema, table=table, paths=paths, trusted=True)
+    claims = read_claims(root, wrong)
+    return claims._replace(schema=believed.schema, table=table, paths=paths, trusted=True, misread=believed.misread)
 
 
 def _found(root: Path) -> Read[tuple[Path, ...]]:

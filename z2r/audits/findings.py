@@ -21,7 +21,7 @@ class Finding(msgspec.Struct, frozen=True):
         The name of the check, one of `z2r.api.CHECKS`.
     severity : str
         ``error``: a reader will fail or read something wrong. ``warning``: it looks wrong; have a look.
-        ``note``: harmless, and better mended.
+        ``note``: good to know, and nothing fails because of it.
     file : str
         The file at fault, relative to the dataset; ``.`` for the folder itself.
     field : str
@@ -30,6 +30,8 @@ class Finding(msgspec.Struct, frozen=True):
         What is there, and what should be.
     mend : str
         What to do about it.
+    episodes : tuple of int
+        The `episode_index` of every episode that it is about; empty where it is about none of them in particular.
 
     Examples
     --------
@@ -44,6 +46,7 @@ class Finding(msgspec.Struct, frozen=True):
     found: str
     expected: str
     mend: str
+    episodes: tuple[int, ...] = ()
 
     def __str__(self) -> str:
         where = ": ".join(filter(None, [self.file, self.field]))
@@ -55,7 +58,7 @@ def finding(check: Check, answer: Answer) -> Finding:
     """Name what a check answers."""
     severity, fault = (check.severity, answer) if isinstance(answer, Fault) else answer
     place, field, found, expected = (short(part) for part in (fault.path.as_posix(), *fault[1:4]))
-    return Finding(check.name, severity, place, field, found, expected, fault.mend)
+    return Finding(check.name, severity, place, field, found, expected, fault.mend, fault.episodes)
 
 
 def failed(what: str, error: Exception) -> Finding:

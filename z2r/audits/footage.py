@@ -99,6 +99,8 @@ class VideoSums(NamedTuple):
         How many it has.
     sizes : bytes
         A digest of how many bytes each of them takes.
+    in_a_row : int
+        How many pictures in a row cannot be decoded alone, at most.
     pictures : Pictures
         Of each episode in it.
     """
@@ -110,6 +112,7 @@ class VideoSums(NamedTuple):
     duration: float
     n_pictures: int
     sizes: bytes
+    in_a_row: int
     pictures: Pictures
 
 
@@ -153,6 +156,7 @@ def _fold_video(root: Path, fps: float, claims: VideoClaims) -> VideoSums | Faul
         duration=index.duration,
         n_pictures=len(index.times),
         sizes=hashlib.sha256(index.sizes).digest(),
+        in_a_row=int(np.diff(np.flatnonzero(index.is_key), prepend=-1, append=len(index.is_key)).max()) - 1,
         pictures=_pictures(index, claims, 1 / fps),
     )
 

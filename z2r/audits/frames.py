@@ -8,11 +8,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from z2r.arrays import Array, Columns, Floats, Ints
+from z2r.arrays import Array, Bools, Columns, Floats, Ints
 from z2r.audits.claims import Claims
+from z2r.format import rules
 from z2r.format.episodes import EpisodeIndex
+from z2r.format.misread import Misread
 from z2r.format.schema import BOOKKEEPING, Schema
-from z2r.format.tables import DataColumns, count_rows
+from z2r.format.tables import DataColumns, count_rows, episodes_in
 
 
 class FileClaims(NamedTuple):
@@ -26,14 +28,26 @@ class FileClaims(NamedTuple):
         Which frame of the dataset it begins with.
     n_claimed : int
         How many frames its episodes have.
+    numbers : tuple of int
+        What they are called.
     episodes : EpisodeIndex or None
         Those that it may hold a part of, as the metadata says; None where that does not hang together.
+    misread : Misread or None
+        What somebody takes its columns for; as the files have them, unless given.
     """
 
     path: Path
     base: int
     n_claimed: int
+    numbers: tuple[int, ...]
     episodes: EpisodeIndex | None
+    misread: Misread | None = None
+
+    def taken(self, read: DataColumns) -> DataColumns:
+        """Return what was read of the file as it is taken."""
+        if self.misread is None or self.episodes is None:
+            return read
+        return read._replace(frames=self.misread(read.frames, self.base, self.episodes))
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,6 +111,10 @@ class FileFrames:
         numbers = np.arange(len(starts)) if number is None else number[starts]
         return EpisodeIndex(self.claims.base + starts, self.claims.base + stops, numbers)
 
+    def episodes_in(self, rows: Bools) -> tuple[int, ...]:
+        """List the episodes of some of the rows; none where the frames do not say which one they are of."""
+        return episodes_in(self.read.frames, rows)
+
 
 class RunStats(NamedTuple):
     """One feature in each run of frames: float64[n_runs] and float64[n_runs, size].
@@ -146,7 +164,9 @@ def _claims_of(claims: Claims, file_number: int, base: int, next_base: int) -> F
     n_claimed = int(table.length[own].sum())
     there = (table.start < max(next_base, base + n_claimed)) & (table.stop > base)
     episodes = claims.episodes.only(own | there) if claims.trusted else None
-    return FileClaims(claims.paths[file_number], base, n_claimed, episodes)
+    return FileClaims(
+        claims.paths[file_number], base, n_claimed, rules.episodes_of(table.number, own), episodes, claims.misread
+    )
 
 
 def _first_frames(claims: Claims, *, under_mode: bool) -> list[int]:

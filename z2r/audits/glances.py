@@ -20,12 +20,14 @@ from z2r.errors import DatasetError, Fault
 from z2r.format.about import cameras_of
 from z2r.format.dataset import in_order
 from z2r.format.decoding import Small, decode_images, decode_video
+from z2r.format.rules import episodes_of
 from z2r.format.videos import read_video
 
 _PICTURES = 48  # of an episode
 _ENOUGH = 24  # that can be decoded alone: where there are fewer, the others are decoded too
 _FEW = 8  # pictures: from fewer nothing is said
 _EPISODES = 8  # at a time
+_BRIGHTNESS = np.array([0.299, 0.587, 0.114], dtype=np.float32)  # of red, green and blue: ITU-R BT.601
 _PRINTS = np.array([0.1, 0.4, 0.6, 0.9])  # of the way through an episode
 
 
@@ -72,22 +74,26 @@ class Glance(NamedTuple):
     ----------
     frame : ndarray, float64[n]
         Which frames they are of, counted from 0 in the episode.
-    level : float
-        How bright they are, from 0 to 255.
-    spread : float
-        How far they are from one colour: the largest standard deviation over a picture.
+    level, spread : ndarray, float64[n]
+        How bright each is, from 0 to 255, and how far from one brightness: the standard deviation over it.
+    grain : ndarray, float64[n]
+        As in `Small`.
     change, peak : ndarray, float64[n - 1]
         How far each is from the one before, on average over the picture, and where it is farthest.
     prints : ndarray, uint8[4, 24, 32]
         Some of them, smaller still.
+    view : ndarray, uint8[12, 16, 3]
+        What is there most of the time: the median of all of them, in RGB.
     """
 
     frame: Floats
-    level: float
-    spread: float
+    level: Floats
+    spread: Floats
+    grain: Floats
     change: Floats
     peak: Floats
     prints: NDArray[np.uint8]
+    view: NDArray[np.uint8]
 
 
 class Reel(NamedTuple):
@@ -126,15 +132,17 @@ def glance_at(filmed: Filmed, progress: Progress, executor: Executor | None) -> 
     reels = [part for reel in (*_reels_of_videos(filmed), *_reels_of_images(filmed)) for part in _parts(reel)]
     cameras: dict[str, dict[int, Glance]] = {camera.name: {} for camera in cameras_of(claims.schema)}
     n_episodes = sum(len(reel.rows) for reel in reels)
-    work, faults, done = partial(_look, claims.root, claims.schema.fps), list[Fault](), 0
+    number = claims.stored.episodes.value.table.number
+    work, faults, done = partial(_look, claims.root, claims.schema.fps), dict[Fault, list[int]](), 0
     for reel, said in zip(reels, in_order(work, reels, executor), strict=True):
         if isinstance(said, Fault):
-            faults.append(said)
+            faults.setdefault(said, []).extend(reel.rows.tolist())
         else:
             cameras[reel.camera] |= said
         done += len(reel.rows)
         progress(done, n_episodes)
-    return Glances(cameras, tuple(dict.fromkeys(faults)))
+    named = (fault._replace(episodes=episodes_of(number, np.array(rows))) for fault, rows in faults.items())
+    return Glances(cameras, tuple(named))
 
 
 def _reels_of_videos(filmed: Filmed) -> Iterator[Reel]:
@@ -204,15 +212,19 @@ def _evenly(numbers: Ints) -> Ints:
 
 
 def _glance(frame: Floats, pictures: Sequence[Small]) -> Glance:
-    seen = np.stack(pictures).astype(np.float32)  # (n, 48, 64)
+    colours = np.stack([picture.colours for picture in pictures]).astype(np.float32)  # (n, 48, 64, 3)
+    seen = colours @ _BRIGHTNESS  # (n, 48, 64)
     apart = np.abs(np.diff(seen, axis=0))
     n, height, width = seen.shape
     prints = seen[(_PRINTS * (n - 1)).round().astype(np.int64)].reshape(-1, height // 2, 2, width // 2, 2)
+    cells = colours.reshape(n, height // 4, 4, width // 4, 4, 3).mean(axis=(2, 4))
     return Glance(
         frame=frame,
-        level=float(seen.mean()),
-        spread=float(seen.std(axis=(1, 2)).max()),
+        level=seen.mean(axis=(1, 2)).astype(np.float64),
+        spread=seen.std(axis=(1, 2)).astype(np.float64),
+        grain=np.array([picture.grain for picture in pictures]),
         change=apart.mean(axis=(1, 2)).astype(np.float64),
         peak=apart.max(axis=(1, 2)).astype(np.float64),
         prints=prints.mean(axis=(2, 4)).round().astype(np.uint8),
+        view=np.median(cells, axis=0).round().astype(np.uint8),
     )

@@ -13,7 +13,7 @@ from z2r.check import Answer, Check
 from z2r.errors import Fault
 from z2r.format import rules
 from z2r.format.episodes import EPISODES_DIR
-from z2r.format.rules import and_more
+from z2r.format.rules import and_more, episodes_of
 
 # What LeRobot 0.6.1 allows between a timestamp and frame_index / fps [s] (`tolerance_s` of LeRobotDataset).
 TIME_TOLERANCE = 1e-4
@@ -58,7 +58,8 @@ def pointers_lead_to_the_frames(runs: Runs) -> Iterator[Answer]:
         found = f"{paths[table.file_number[places.row][run]].as_posix()}{and_more(wrong)}"
         expected = f"{paths[runs.file_number[run]].as_posix()}, which holds its frames"
         mend = "Whoever looks where the index points finds nothing, or another episode: correct the index"
-        yield Fault(EPISODES_DIR, f"data/file_index of episode {runs.number[run]}", found, expected, mend)
+        place = f"data/file_index of episode {runs.number[run]}"
+        yield Fault(EPISODES_DIR, place, found, expected, mend, episodes_of(runs.number, wrong))
 
 
 @FILE_POINTER.of(Claims)
@@ -84,8 +85,9 @@ def index_column(frames: FileFrames) -> Iterator[Answer]:
     expected = frames.claims.base + np.arange(len(index))
     wrong = index != expected
     if wrong.any():
-        row = int(wrong.argmax())
-        yield Fault(frames.path, f"index in row {row}", f"{index[row]}{and_more(wrong)}", expected[row])
+        row, named = int(wrong.argmax()), frames.episodes_in(wrong)
+        found = f"{index[row]}{and_more(wrong)}"
+        yield Fault(frames.path, f"index in row {row}", found, expected[row], episodes=named)
 
 
 FRAME_COLUMN = Check("frame-column", "`frame_index` starts at 0 in every episode and counts on", "error")
@@ -101,7 +103,8 @@ def frame_index_counts(frames: FileFrames) -> Iterator[Answer]:
     if wrong.any():
         row = int(wrong.argmax())
         expected = f"{frame_index[row - 1] + 1}, or 0 for a new episode" if row else "0, as an episode begins"
-        yield Fault(frames.path, f"frame_index in row {row}", f"{frame_index[row]}{and_more(wrong)}", expected)
+        found, named = f"{frame_index[row]}{and_more(wrong)}", frames.episodes_in(wrong)
+        yield Fault(frames.path, f"frame_index in row {row}", found, expected, episodes=named)
 
 
 @FRAME_COLUMN.of(FileFrames)
@@ -111,7 +114,8 @@ def frame_index_starts_where_an_episode_begins(frames: FileFrames) -> Iterator[A
     if seam and seam.frame_index_is_wrong:
         found = f"{frames.counts['frame_index'][seam.row]}{and_more(seam.differs)}"
         expected = "0 where an episode begins, and only there"
-        yield Fault(frames.path, f"frame_index in row {seam.row}", found, expected)
+        named = frames.episodes_in(seam.differs)
+        yield Fault(frames.path, f"frame_index in row {seam.row}", found, expected, episodes=named)
 
 
 EPISODE_COLUMN = Check("episode-column", "`episode_index` changes where the index says that an episode ends", "error")
@@ -125,7 +129,8 @@ def episode_index_changes_where_frame_index_starts(frames: FileFrames) -> Iterat
         number, frame_index = frames.counts["episode_index"], frames.counts["frame_index"]
         found = "a new episode" if seam.changes else f"episode {number[seam.row]} still"
         expected = f"a new episode where frame_index is 0, and it is {frame_index[seam.row]} here"
-        yield Fault(frames.path, f"episode_index in row {seam.row}", found + and_more(seam.differs), expected)
+        found, named = found + and_more(seam.differs), frames.episodes_in(seam.differs)
+        yield Fault(frames.path, f"episode_index in row {seam.row}", found, expected, episodes=named)
 
 
 @EPISODE_COLUMN.of(Runs)
@@ -143,7 +148,8 @@ def the_frames_agree_with_the_metadata(runs: Runs) -> Iterator[Answer]:
     if missing.any():
         episode = int(missing.argmax())
         path, found = runs.claims.paths[table.file_number[episode]], f"no frame of episode {table.number[episode]}"
-        yield Fault(path, "episode_index", found + and_more(missing), f"{table.length[episode]} frames")
+        named = episodes_of(table.number, missing)
+        yield Fault(path, "episode_index", found + and_more(missing), f"{table.length[episode]} frames", episodes=named)
 
 
 @Check("timestamp", "`timestamp` is frame_index / fps", "error").of(FileFrames)
@@ -164,12 +170,13 @@ def timestamp(frames: FileFrames) -> Iterator[Answer]:
     found = f"{stored[row]:g} s{and_more(wrong)}"
     wanted = f"{expected[row]:g} s, which is frame {frame_index[row]} at {fps:g} fps"
     mend = f"Its frames are {step:.3g} s apart: if that is right, fps is {1 / step:.3g}" if off_everywhere else ""
-    yield Fault(frames.path, f"timestamp in row {row}", found, wanted, mend)
+    yield Fault(frames.path, f"timestamp in row {row}", found, wanted, mend, frames.episodes_in(wrong))
     backwards = np.concatenate([[False], (np.diff(stored) <= 0) & (np.diff(frame_index) > 0)])
     if backwards.any():
         row = int(backwards.argmax())
         found = f"{stored[row]:g} s after {stored[row - 1]:g} s{and_more(backwards)}"
-        yield Fault(frames.path, f"timestamp in row {row}", found, "time that runs forwards inside an episode")
+        wanted, named = "time that runs forwards inside an episode", frames.episodes_in(backwards)
+        yield Fault(frames.path, f"timestamp in row {row}", found, wanted, episodes=named)
 
 
 @Check("task-index", "every `task_index` is a task", "error").of(FileFrames)
@@ -182,7 +189,7 @@ def task_index(frames: FileFrames) -> Iterator[Answer]:
     if wrong.any():
         row = int(wrong.argmax())
         found, expected = f"{task[row]}{and_more(wrong)}", f"one of the {len(tasks)} in meta/tasks.parquet"
-        yield Fault(frames.path, f"task_index in row {row}", found, expected)
+        yield Fault(frames.path, f"task_index in row {row}", found, expected, episodes=frames.episodes_in(wrong))
 
 
 class _Seam(NamedTuple):
@@ -235,7 +242,8 @@ def _wrong_run(runs: Runs, wrong: Bools, what: str, expected: str, mend: str) ->
     if wrong.any():
         run = int(wrong.argmax())
         found, place = f"{runs.number[run]}{what}{and_more(wrong)}", f"episode_index of frame {runs.start[run]}"
-        yield Fault(runs.claims.paths[runs.file_number[run]], place, found, expected, mend)
+        named = episodes_of(runs.number, wrong)
+        yield Fault(runs.claims.paths[runs.file_number[run]], place, found, expected, mend, named)
 
 
 def _range_faults(runs: Runs, field: str, claimed: Ints, seen: Ints, once: Bools) -> Iterator[Answer]:
@@ -244,4 +252,5 @@ def _range_faults(runs: Runs, field: str, claimed: Ints, seen: Ints, once: Bools
         run = int(wrong.argmax())
         expected = f"{seen[run]}, as episode_index in {runs.claims.paths[runs.file_number[run]].as_posix()} says"
         place = f"{field} of episode {runs.number[run]}"
-        yield Fault(EPISODES_DIR, place, f"{claimed[run]}{and_more(wrong)}", expected)
+        found, named = f"{claimed[run]}{and_more(wrong)}", episodes_of(runs.number, wrong)
+        yield Fault(EPISODES_DIR, place, found, expected, episodes=named)

@@ -8,13 +8,13 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from z2r.arrays import Array, Bools, Columns, Floats, Ints, reduce_parts
+from z2r.arrays import Array, Bools, Columns, Floats, Ints, join, reduce_parts
 from z2r.audits.frames import FileFrames
 from z2r.check import Answer, Check
 from z2r.errors import Fault
 from z2r.format.episodes import DATA_DIR
+from z2r.format.rules import episodes_of
 from z2r.format.schema import Schema
 from z2r.reading.decode import can_decode, decode
 from z2r.reading.reading import Reading
@@ -107,6 +107,10 @@ class Labels(NamedTuple):
         """Name some of the episodes."""
         return episodes_named(self.number[wrong].tolist())
 
+    def episodes(self, wrong: Bools) -> tuple[int, ...]:
+        """List all of them."""
+        return episodes_of(self.number, wrong)
+
 
 def fold_labels(frames: FileFrames, reading: Reading | None) -> FileLabels:
     """Sum the labels of one data file, which has a frame, up for each run of frames."""
@@ -127,10 +131,10 @@ def join_labels(schema: Schema, reading: Reading | None, number: Ints, parts: Se
     starts = np.flatnonzero(np.diff(number, prepend=number[0] - 1))
     ends = np.append(starts[1:], len(number)) - 1
     success = _join_flags([part.success for part in parts], starts, ends)
-    reward, levels = _join([part.reward for part in parts]), levels_of(np.concatenate([part.levels for part in parts]))
+    reward, levels = join([part.reward for part in parts]), levels_of(np.concatenate([part.levels for part in parts]))
     if reward is not None:
         reward = np.stack([np.maximum.reduceat(reward[:, 0], starts), reward[ends, 1]], axis=1)
-    reached = _join([part.reached for part in parts])
+    reached = join([part.reached for part in parts])
     if reached is not None and reading is not None:
         reached = reached[starts, 0] if reading.decisive == "first" else reached[ends, 1]
     return Labels(
@@ -154,11 +158,17 @@ def success_and_reward_agree(labels: Labels) -> Iterator[Answer]:
     unpaid = ever & (highest == labels.levels[0])
     if unpaid.any():
         found = f"true in {labels.named(unpaid)}, where {REWARD} is never more than {labels.levels[0]:g}"
-        yield Fault(DATA_DIR, labels.label, found, "a reward that rises where there is a success")
+        yield Fault(
+            DATA_DIR,
+            labels.label,
+            found,
+            "a reward that rises where there is a success",
+            episodes=labels.episodes(unpaid),
+        )
     unsaid = ~ever & (highest == labels.levels[-1])
     if unsaid.any() and not why_no_success(labels.levels):
         found = f"never true in {labels.named(unsaid)}, where {REWARD} comes to {labels.levels[-1]:g}"
-        yield Fault(DATA_DIR, labels.label, found, "a success where the reward comes")
+        yield Fault(DATA_DIR, labels.label, found, "a success where the reward comes", episodes=labels.episodes(unsaid))
 
 
 @Check("success-lost", "a stored success is one to the end of its episode", "note").of(Labels)
@@ -170,7 +180,7 @@ def success_is_not_lost(labels: Labels) -> Iterator[Answer]:
     if wrong.any():
         found = f"true and then false to the end in {labels.named(wrong)}"
         mend = "It was lost again, or is said once only: an episode counts as a success where it is true in some frame"
-        yield Fault(DATA_DIR, labels.label, found, "true from then on", mend)
+        yield Fault(DATA_DIR, labels.label, found, "true from then on", mend, labels.episodes(wrong))
 
 
 @Check("done", "`next.done` is true where an episode ends, and nowhere else", "warning").of(Labels)
@@ -182,11 +192,13 @@ def done_where_an_episode_ends(labels: Labels) -> Iterator[Answer]:
     goes_on = done.lost | (done.always & done.early)
     if goes_on.any():
         mend = "Do these episodes go on after their end, or does the index lack a boundary there?"
-        yield Fault(DATA_DIR, DONE, f"true before the end of {labels.named(goes_on)}", expected, mend)
+        found = f"true before the end of {labels.named(goes_on)}"
+        yield Fault(DATA_DIR, DONE, found, expected, mend, labels.episodes(goes_on))
     stays = done.early & ~goes_on
     if stays.any():
         found = f"true in several frames up to the end of {labels.named(stays)}"
-        yield "note", Fault(DATA_DIR, DONE, found, expected, "Who stops at the first one leaves the others out")
+        mend = "Who stops at the first one leaves the others out"
+        yield "note", Fault(DATA_DIR, DONE, found, expected, mend, labels.episodes(stays))
     if not done.ever.any():
         yield "note", Fault(DATA_DIR, DONE, "false in every frame", "true where an episode ends, unless it was cut off")
 
@@ -200,6 +212,11 @@ def label_tells_something(labels: Labels) -> Iterator[Answer]:
     if labels.success and (labels.success.always.all() or not labels.success.ever.any()):
         found = f"{'true' if labels.success.always[0] else 'false'} in every frame of every episode"
         yield Fault(DATA_DIR, labels.label, found, expected, mend)
+    elif labels.success and labels.success.always.any():
+        found = f"true in every frame of {labels.named(labels.success.always)}"
+        mend = "Was it set before the episode began?"
+        episodes = labels.episodes(labels.success.always)
+        yield Fault(DATA_DIR, labels.label, found, "false before it is a success", mend, episodes)
     if labels.reward is not None and len(labels.levels) == 1:
         yield Fault(DATA_DIR, REWARD, f"{labels.levels[0]:g} in every frame of every episode", expected, mend)
 
@@ -214,11 +231,11 @@ def reading_agrees_with_what_is_stored(labels: Labels) -> Iterator[Answer]:
     if missed.any():
         found = f"a success in {labels.named(missed)}, read as not reached"
         mend = "The reading or its tolerances are wrong, or the label is"
-        yield Fault(DATA_DIR, source, found, "every stored success read as reached", mend)
+        yield Fault(DATA_DIR, source, found, "every stored success read as reached", mend, labels.episodes(missed))
     if unsaid.any():
         found = f"no success in {labels.named(unsaid)}, read as reached"
         mend = "A success may ask for more than the last frame, such as to stay there: does it?"
-        yield "note", Fault(DATA_DIR, source, found, "the same of both", mend)
+        yield "note", Fault(DATA_DIR, source, found, "the same of both", mend, labels.episodes(unsaid))
 
 
 def _flag(name: str | None, columns: Columns, starts: Ints, stops: Ints) -> Flag | None:
@@ -241,12 +258,6 @@ def _reached(schema: Schema, reading: Reading | None, columns: Columns, rows: In
         return None
     ends = {name: values[rows.ravel()] for name, values in columns.items()}
     return in_tolerance(frame_errors(decode(ends, reading, schema)), reading).reshape(rows.shape)
-
-
-def _join[T: np.generic](parts: Sequence[NDArray[T] | None]) -> NDArray[T] | None:
-    """Put the rows of all files after each other; None where some file has none."""
-    known = [part for part in parts if part is not None]
-    return np.concatenate(known) if len(known) == len(parts) else None
 
 
 def _join_flags(parts: Sequence[Flag | None], starts: Ints, ends: Ints) -> Flag | None:

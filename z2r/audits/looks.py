@@ -13,6 +13,7 @@ from z2r.audits.footage import Footage, ImageSums, VideoSums, way_frames
 from z2r.audits.glances import Filmed, Glance, Glances
 from z2r.audits.runs import Runs
 from z2r.audits.together import Steps, fit
+from z2r.audits.views import Unlike, unlike
 from z2r.errors import Fault, some
 from z2r.format.about import cameras_of
 from z2r.format.episodes import DATA_DIR
@@ -31,9 +32,15 @@ _LITTLE = 0.25  # of what a change usually takes
 
 # Of decoded pictures, from 0 to 255.
 _ONE_COLOUR = 3  # of standard deviation, at most
-_NOISE = 8  # what a cell changes by when the same picture is encoded again: measured, 7 and at times 24 at most
+_NOISE, _TOUCH = 4, 16  # what a cell may change by when the same picture is encoded again: mostly, and at times
 _SAME_VIEW, _SAME_CELL = 1.5, 16  # what cells differ by, and one of them, when the same picture is encoded twice
 _DARK = 24
+_NO_SIGNAL = 1.2  # of grain: white noise has 1.41, and one pixel of a picture of something is much like the next
+
+_SLOW, _FITFUL = (
+    0.2,
+    0.4,
+)  # of the robot's way, and of the steps while it moves: between pictures that stay and others that change
 
 _MOSTLY = 0.5  # of the robot's way
 _TINY = 1e-9  # of it
@@ -58,22 +65,28 @@ class Look(NamedTuple):
         Which feature it is, and where they are stored.
     number : ndarray, int64[n_episodes]
         What the dataset calls the episodes.
-    flat, still, astray : Suspects
-        Where they are of one colour; stay the same although the robot moves; move when it does not.
+    flat, blank, still, slow, astray : Suspects
+        Where they are of one colour, or noise; some of them are; stay the same although the robot moves; do so again
+        and again; move when it does not.
     mend : str
         How to be surer; empty where it is sure.
     fits : float
         How well pictures usually move with the robot: a correlation; nan where too little moves to say it.
+    unlike : sequence of Unlike
+        Which episodes look otherwise than the others; nobody knows where no picture is decoded.
     """
 
     camera: str
     place: Path
     number: Ints
     flat: Suspects
+    blank: Suspects
     still: Suspects
+    slow: Suspects
     astray: Suspects
     mend: str
     fits: float = np.nan
+    unlike: Sequence[Unlike] = ()
 
 
 class Twin(NamedTuple):
@@ -120,6 +133,8 @@ def looks_of_glances(filmed: Filmed, glances: Glances) -> Looks:
         Twin(looks[camera], looks[other], _same_views(glances.cameras[camera], glances.cameras[other], runs))
         for other, camera in combinations(looks, 2)
     ]
+    views = _own_views(glances, looks, twins)
+    looks = {camera: look._replace(unlike=views.get(camera, ())) for camera, look in looks.items()}
     n_episodes = len(runs.claims.stored.episodes.value.table.number)
     return Looks(list(looks.values()), twins, glances.faults, [*_unseen(glances, n_episodes), *_unfit(looks)])
 
@@ -157,15 +172,19 @@ def _way_of_episodes(runs: Runs, ways: Floats) -> dict[int, _Way]:
 
 def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, way_of: Mapping[int, _Way]) -> Look:
     number, fps, moves = runs.claims.stored.episodes.value.table.number, runs.claims.schema.fps, _robot_moves(runs)
-    flat, still = np.zeros((2, len(moves)), dtype=bool)
-    steps, share = {}, {}
+    flat, blank, still, slow = np.zeros((4, len(moves)), dtype=bool)
+    steps, share, again = {}, {}, {}
     for row, glance in seen.items():
-        flat[row] = glance.spread <= _ONE_COLOUR
-        if moves[row] and row in way_of:
+        flat[row] = glance.spread.max() <= _ONE_COLOUR or np.median(glance.grain) >= _NO_SIGNAL
+        blank[row] = not flat[row] and glance.spread.min() <= _ONE_COLOUR
+        if moves[row] and row in way_of and not flat[row]:
             way = np.diff(np.interp(glance.frame, *way_of[row]))
-            share[row] = _longest(way, glance.peak <= _NOISE) / max(way.sum(), _TINY)
+            rests = _is_still(glance.peak)
+            share[row] = _longest(way, rests) / max(way.sum(), _TINY)
             still[row] = share[row] >= _MOSTLY
-            if not still[row]:
+            again[row] = (way * rests).sum() / max(way.sum(), _TINY)
+            slow[row] = again[row] >= _SLOW and np.diff(rests[way >= way.mean() / 2]).mean() >= _FITFUL
+            if not still[row] and not blank[row]:
                 seconds = float(np.median(np.diff(glance.frame))) / fps
                 steps[int(number[row])] = Steps(glance.change, way, seconds)
     fits, astray = fit(steps)
@@ -173,18 +192,48 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, way_of
         camera=camera,
         place=_place(runs.claims, camera),
         number=number,
-        flat=Suspects(flat, lambda row: f"one colour, {_shade(seen[row].level)}"),
+        flat=Suspects(flat, lambda row: _nothing(seen[row])),
+        blank=Suspects(blank, lambda row: _blanks(seen[row])),
         still=Suspects(still, lambda row: f"the same picture for {share[row]:.0%} of the robot's way"),
+        slow=Suspects(slow, lambda row: f"the picture of before again for {again[row]:.0%} of the robot's way"),
         astray=Suspects(np.isin(number, list(astray)), lambda row: astray[int(number[row])]),
         mend="",
         fits=fits,
     )
 
 
+def _is_still(peak: Floats) -> Bools:
+    """Tell of each step whether the picture stays the same; an encoder may touch it up in between."""
+    still = peak <= _NOISE
+    still[1:-1] |= still[:-2] & still[2:] & (peak[1:-1] <= _TOUCH)
+    return still
+
+
 def _longest(way: Floats, still: Bools) -> float:
     """Return how far the robot comes in the longest stretch in which the picture stays the same."""
     stretch = np.cumsum(np.diff(still, prepend=still[:1]))
     return float((np.bincount(stretch, way * still)).max())
+
+
+def _nothing(glance: Glance) -> str:
+    """Say what pictures show that show nothing."""
+    is_flat = glance.spread.max() <= _ONE_COLOUR
+    return f"one colour, {_shade(glance.level.mean())}" if is_flat else "noise, in which no pixel is like the next"
+
+
+def _blanks(glance: Glance) -> str:
+    blank = glance.spread <= _ONE_COLOUR
+    some_of = f"{blank.sum()} of the {len(blank)} pictures that were looked at"
+    return f"one colour in {some_of}, first in frame {glance.frame[blank.argmax()]:.0f},"
+
+
+def _own_views(glances: Glances, looks: Mapping[str, Look], twins: Sequence[Twin]) -> dict[str, list[Unlike]]:
+    """Hold the pictures of each camera against each other, but for those of which something worse is known."""
+    wrong = {camera: look.flat.wrong.copy() for camera, look in looks.items()}
+    for twin in twins:
+        wrong[twin.look.camera] |= twin.same
+    seen = glances.cameras.items()
+    return unlike({name: {row: own for row, own in each.items() if not wrong[name][row]} for name, each in seen})
 
 
 def _shade(level: float) -> str:
@@ -237,6 +286,8 @@ def _look_of_sizes(footage: Footage, camera: str, moves: Bools) -> Look:
             moves & _seem_still(long, other, alike, _SAME + pixels / _PIXELS_TO_A_SAME_BYTE),
             lambda row: f"{other[row]:.0f} bytes for a change of the picture, where {usual:.0f} are usual",
         ),
+        blank=_nobody(moves),
+        slow=_nobody(moves),
         astray=_nobody(moves),
         mend=_DECODE,
     )
@@ -253,6 +304,8 @@ def _look_of_images(camera: str, runs: Runs, sums: ImageSums, moves: Bools) -> L
             lambda _: "the same picture in all frames, no larger than one colour takes",
         ),
         still=Suspects(_episodes(runs, same) & moves, lambda _: "the same picture in all frames"),
+        blank=_nobody(moves),
+        slow=_nobody(moves),
         astray=_nobody(moves),
         mend="",
     )

@@ -8,7 +8,8 @@ from z2r.audits.looks import Look, Looks, Suspects
 from z2r.audits.structure import VIDEO_FILE
 from z2r.check import Answer, Check
 from z2r.errors import Fault
-from z2r.format.rules import and_more
+from z2r.format.rules import and_more, episodes_of
+from z2r.reading.stored import episodes_named
 
 
 @VIDEO_FILE.of(Looks)
@@ -23,14 +24,15 @@ def images_can_be_decoded(looks: Looks) -> Iterator[Answer]:
     yield from (fault for fault in looks.faults if fault.field)
 
 
-CAMERA_FLAT = Check("camera-flat", "no camera shows one colour, as one that is covered or unplugged does", "warning")
+CAMERA_FLAT = Check("camera-flat", "no camera shows one colour or noise, as if covered or unplugged", "warning")
 
 
 @CAMERA_FLAT.of(Looks)
 def no_camera_shows_one_colour(looks: Looks) -> Iterator[Answer]:
-    """Does a camera show one flat colour throughout an episode?"""
+    """Does a camera show one flat colour, or noise, throughout an episode, or at times?"""
     for look in looks.cameras:
-        yield from _looks_wrong(look, look.flat, "a picture of something")
+        for suspects in (look.flat, look.blank):
+            yield from _looks_wrong(look, suspects, "a picture of something")
 
 
 CAMERA_FROZEN = Check(
@@ -45,6 +47,24 @@ def no_camera_is_frozen(looks: Looks) -> Iterator[Answer]:
         still = look.still._replace(wrong=look.still.wrong & ~look.flat.wrong)
         for fault in _looks_wrong(look, still, "pictures that change, as the robot moves"):
             yield ("note" if still.wrong.mean() > 0.5 else "warning"), fault
+        for fault in _looks_wrong(look, look.slow, "pictures that change, as the robot moves"):
+            mend = "Is the camera slower than fps? Then a picture is older than its frame says"
+            yield ("note" if look.slow.wrong.mean() > 0.5 else "warning"), fault._replace(mend=mend)
+
+
+@Check("camera-unlike", "the pictures of an episode look like those of the others of its camera", "warning").of(Looks)
+def no_episode_looks_otherwise(looks: Looks) -> Iterator[Answer]:
+    """Do the pictures of an episode look otherwise than those of the others? Where it is not told how: a note."""
+    for look in looks.cameras:
+        for each in look.unlike:
+            rows, usual = (look.number[some].tolist() for some in (each.rows, each.usual))
+            place = f"{look.camera} in {episodes_named(rows)}"
+            found = f"pictures {each.says or 'of something else'}, compared with those of {episodes_named(usual)}"
+            mend = "Was the camera moved, turned, covered or exchanged? Look at them"
+            if not each.few:
+                mend = "Nobody can tell which of them are right: look at both"
+            fault = Fault(look.place, place, found, "pictures that are alike", mend, tuple(sorted(rows)))
+            yield ("warning" if each.few and each.says else "note"), fault
 
 
 @CAMERA_TWIN.of(Looks)
@@ -68,4 +88,5 @@ def _looks_wrong(look: Look, suspects: Suspects, expected: str) -> Iterator[Faul
     if wrong.any():
         row = int(wrong.argmax())
         place = f"{look.camera} in episode {look.number[row]}"
-        yield Fault(look.place, place, f"{found(row)}{and_more(wrong)}", expected, look.mend)
+        said = f"{found(row)}{and_more(wrong)}"
+        yield Fault(look.place, place, said, expected, look.mend, episodes_of(look.number, wrong))

@@ -5,12 +5,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from z2r.arrays import Floats, Ints
+from z2r.arrays import Floats, Ints, join
 from z2r.audits.claims import Claims
 from z2r.audits.findings import Finding
+from z2r.audits.following import Following
 from z2r.audits.footage import ImageSums
 from z2r.audits.frames import FileClaims, RunStats, joined
 from z2r.audits.labels import FileLabels
+from z2r.audits.steps import RunSteps, join_steps
 
 
 class FileSums(NamedTuple):
@@ -28,10 +30,18 @@ class FileSums(NamedTuple):
         Their `episode_index`.
     stats : dict of str to RunStats
         Of each numeric feature.
+    steps : dict of str to RunSteps
+        Of what was observed and done.
+    following : Following or None
+        How joints follow their commands; None where no command has the name of a joint.
     labels : FileLabels or None
         What success, reward and done say.
     scene : object
         What the scene made of it; None where there is none, or its columns are not there.
+    idle : ndarray, int64[n_runs, 2], or None
+        In how many frames nothing moves, in the beginning and in the end of each run.
+    tasks : ndarray, int64[n, 2], or None
+        Which runs have a frame of which task: pairs of a run and a `task_index`.
     images : dict of str to ImageSums
         Of each feature whose pictures stand in it.
     way : ndarray, (n_runs, 65), or None
@@ -40,13 +50,17 @@ class FileSums(NamedTuple):
 
     n_rows: int | None
     findings: list[Finding]
-    starts: Ints
-    numbers: Ints | None
-    stats: dict[str, RunStats]
-    labels: FileLabels | None
-    scene: Any
-    images: dict[str, ImageSums]
-    way: Floats | None
+    starts: Ints = np.empty(0, dtype=np.int64)
+    numbers: Ints | None = None
+    stats: dict[str, RunStats] = {}  # noqa: RUF012 -- nobody writes into it
+    steps: dict[str, RunSteps] = {}  # noqa: RUF012
+    following: Following | None = None
+    labels: FileLabels | None = None
+    scene: Any = None
+    idle: Ints | None = None
+    tasks: Ints | None = None
+    images: dict[str, ImageSums] = {}  # noqa: RUF012
+    way: Floats | None = None
 
 
 class Runs(NamedTuple):
@@ -64,6 +78,10 @@ class Runs(NamedTuple):
         The data files that could be read.
     stats : dict of str to RunStats
         Of each feature that could be read in all of these files.
+    steps : dict of str to RunSteps
+        Of those of them that were observed or done.
+    idle, tasks : as in `FileSums`
+        None where they are of some of these files.
     """
 
     claims: Claims
@@ -73,6 +91,20 @@ class Runs(NamedTuple):
     file_number: Ints
     read: list[int]
     stats: dict[str, RunStats]
+    steps: dict[str, RunSteps]
+    idle: Ints | None
+    tasks: Ints | None
+
+    @property
+    def n_frames(self) -> Floats:
+        """Of each run."""
+        return (self.stop - self.start).astype(np.float64)
+
+    def spans(self, name: str) -> Floats:
+        """Return the range of each column of a feature over all runs, float64[size]."""
+        stats = self.stats[name]
+        span: Floats = stats.high.max(axis=0) - stats.low.min(axis=0)
+        return span
 
 
 def join_runs(claims: Claims, files: Sequence[FileClaims], sums: Sequence[FileSums]) -> Runs | None:
@@ -83,13 +115,24 @@ def join_runs(claims: Claims, files: Sequence[FileClaims], sums: Sequence[FileSu
     if not read or len(known) < len(read):
         return None
     parts = [(files[number].base, sums[number]) for number in read]
+    moved = {name for _, part in parts for name in part.steps}
     shared = [name for name in claims.schema.signals() if all(name in part.stats for _, part in parts)]
+    n_runs = np.array([len(part.starts) for _, part in parts])
+    firsts = np.cumsum(n_runs) - n_runs
     return Runs(
         claims=claims,
         number=np.concatenate(known),
         start=np.concatenate([base + part.starts for base, part in parts]),
         stop=np.concatenate([base + np.append(part.starts[1:], part.n_rows or 0) for base, part in parts]),
-        file_number=np.repeat(read, [len(part.starts) for _, part in parts]),
+        file_number=np.repeat(read, n_runs),
         read=read,
         stats={name: joined([part.stats[name] for _, part in parts]) for name in shared},
+        steps={name: join_steps([part.steps[name] for _, part in parts]) for name in shared if name in moved},
+        idle=join([part.idle for _, part in parts]),
+        tasks=join([_shifted(part.tasks, int(first)) for first, (_, part) in zip(firsts, parts, strict=True)]),
     )
+
+
+def _shifted(tasks: Ints | None, first_run: int) -> Ints | None:
+    """Count the runs of pairs of a run and a task on from those of the files before."""
+    return None if tasks is None else tasks + np.array([first_run, 0])

@@ -1,6 +1,5 @@
 """Is the dataset whole? The files that must be there, their columns, and the totals that `meta/info.json` states."""
 
-import re
 from collections.abc import Iterator
 from difflib import get_close_matches
 from pathlib import Path
@@ -179,20 +178,9 @@ def columns_have_their_dtype(frames: FileFrames) -> Iterator[Answer]:
 def totals(claims: Claims) -> Iterator[Answer]:
     """Are the totals of episodes, frames and tasks those that are counted?"""
     yield from rules.totals(claims.schema, claims.table)
-    stated, tasks = claims.stored.stated.value.total_tasks, claims.stored.tasks.value
+    stated, tasks = claims.stored.stated.value.total_tasks, claims.stored.task_numbers
     if stated is not None and tasks is not None and stated != len(tasks):
         yield Fault(INFO_PATH, "total_tasks", stated, f"{len(tasks)}, the number of rows of meta/tasks.parquet")
-
-
-@Check("splits", "every split is a range of episodes that exist", "error").of(Claims)
-def splits(claims: Claims) -> Iterator[Answer]:
-    """Is every split a range of the episodes that are stored?"""
-    n_episodes = len(claims.stored.episodes.value.table.number)
-    for name, split in (claims.stored.stated.value.splits or {}).items():
-        ends = re.fullmatch(r"(\d{1,18}):(\d{1,18})", split, re.ASCII)
-        if not ends or not int(ends[1]) <= int(ends[2]) <= n_episodes:
-            expected = f"a range of episodes within 0:{n_episodes}"
-            yield Fault(INFO_PATH, f"splits.{name}", repr(split[:60]), expected)
 
 
 def _dtype_faults(name: str, feature: Feature) -> Iterator[Answer]:

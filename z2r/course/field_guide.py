@@ -10,6 +10,7 @@ import numpy as np
 from z2r.api import audit, choose_reading, inspect_dataset, load
 from z2r.arrays import Floats, Ints
 from z2r.format.dataset import Dataset
+from z2r.format.schema import STATE
 from z2r.reading.breaks import BREAK_MODES, BreakMode
 from z2r.reading.decode import decode, features_of
 from z2r.reading.inspection import Outcome
@@ -34,8 +35,8 @@ class Change:
     errors : dict of str to float
         The largest change of each final error among those that are left, in the unit of its goal.
     picture, action : float
-        The share of the frames in which a body is drawn elsewhere, or which are given another action, in [0, 1]. A
-        frame that is missing, or that has no place in its episode, counts.
+        The share of the frames in which a body is drawn elsewhere, or the state where there is no body, or which are
+        given another action, in [0, 1]. A frame that is missing, or that has no place in its episode, counts.
     speed : float
         How many times as fast everything seems to go.
     checks : tuple of str
@@ -62,7 +63,7 @@ class Change:
 
 
 class _Drawn(NamedTuple):
-    """Of every frame: its place in its episode, where the bodies are drawn, and its action; a row for each."""
+    """Of every frame: its place in its episode, what is drawn, and its action; a row for each."""
 
     places: Ints
     bodies: Floats
@@ -71,7 +72,7 @@ class _Drawn(NamedTuple):
 
 def what_changes(
     dataset: str | os.PathLike[str],
-    modes: Iterable[BreakMode] = BREAK_MODES.values(),
+    modes: Iterable[BreakMode] | None = None,
     reading: Reading | None = None,
 ) -> list[Change]:
     """Read a dataset in every wrong way, and say of each what it changes.
@@ -81,7 +82,7 @@ def what_changes(
     dataset : str or path
         The folder, or the name of a dataset that ships. Its frames are in memory at once.
     modes : iterable of BreakMode, optional
-        All unless given; one that is about something that the reading does not have changes nothing.
+        Those that apply unless given; one that is about something that is not there changes nothing.
     reading : Reading, optional
         What the columns mean; the one that ships and fits, unless given.
 
@@ -110,16 +111,19 @@ def what_changes(
         raise ValueError(f"found no {lacking}, expected a reading that fits the dataset and has a goal")
     known = {finding.check for finding in audit(whole, reading=reading).findings}
     drawn = _drawn(whole, reading)
+    if modes is None:
+        modes = (mode for mode in BREAK_MODES.values() if mode.applies_to(whole, reading))
     return [_compare(whole, mode, reading, right.outcome, drawn, known) for mode in modes]
 
 
 def _compare(
     dataset: Dataset, mode: BreakMode, reading: Reading, right: Outcome, drawn: _Drawn, known: set[str]
 ) -> Change:
-    believed, wrong = mode.dataset(dataset), inspect_dataset(dataset, mode, reading)
+    (believed, wrong_reading), wrong = mode.believe(dataset, reading), inspect_dataset(dataset, mode, reading)
+    assert wrong_reading is not None  # there was a right one
     assert wrong.outcome is not None  # every mode reads columns that the right reading reads
     index, left = wrong.episodes, wrong.episodes.numbers
-    as_believed = _drawn(believed, mode.reading(reading))
+    as_believed = _drawn(believed, wrong_reading)
     checks = [finding.check for finding in audit(dataset, mode, reading).findings]
     finals = wrong.outcome.final_errors
     return Change(
@@ -143,11 +147,10 @@ def _drawn(dataset: Dataset, reading: Reading) -> _Drawn:
     features = {name: dataset.read(name) for name in features_of(reading, dataset.schema)}
     decoded = decode(features, reading, dataset.schema)
     bodies = [part for name in reading.poses for part in _parts_drawn(decoded.take(frames).pose(name))]
-    last = np.repeat(index.to_index - 1, index.lengths)
-    lag = reading.action.lag if reading.action else 0
-    action = np.empty((len(frames), 0)) if decoded.action is None else decoded.action
-    late = action if decoded.action is None else action[np.minimum(frames + lag, last)]
-    return _Drawn(places, np.stack(bodies, axis=1) if bodies else np.empty((len(frames), 0)), late)
+    action = np.empty((len(frames), 0)) if decoded.action is None else decoded.action[frames]
+    if not bodies and STATE in dataset.schema.signals():  # as in a replay: without a body, it draws the numbers
+        bodies = [*dataset.read(STATE)[frames].astype(np.float64).T]
+    return _Drawn(places, np.stack(bodies, axis=1) if bodies else np.empty((len(frames), 0)), action)
 
 
 def _parts_drawn(pose: Pose) -> list[Floats]:

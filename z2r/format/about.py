@@ -6,7 +6,8 @@ unknown, and that is written as None. Where each stands is what lerobot 0.6.1 wr
 """
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from z2r.errors import DatasetError, count, short
 from z2r.format.episodes import shard_paths
 from z2r.format.parquet import integers, open_parquet, read_columns, text_sets
 from z2r.format.schema import Feature, Schema
-from z2r.format.tables import read_task_texts
+from z2r.format.tables import read_tasks
 
 _TEXT = ("string", "language")
 _PICTURES = ("video", "image")
@@ -145,6 +146,16 @@ def cameras_of(schema: Schema) -> tuple[Camera, ...]:
     return tuple(_camera(name, feature) for name, feature in features if feature.dtype in _PICTURES)
 
 
+def short_names(names: Sequence[str]) -> list[str]:
+    """Return what to call cameras: the last part of what LeRobot calls them, if that tells them apart.
+
+    >>> short_names(["observation.images.front", "observation.image"])
+    ['front', 'image']
+    """
+    last = [name.removeprefix("observation.").removeprefix("images.") for name in names]
+    return last if len(set(last)) == len(names) else list(names)
+
+
 def axes_of(feature: Feature) -> dict[Any, int]:
     """Name the sizes of a picture, which is stored as (height, width, channels) or the other way round."""
     names = feature.names if isinstance(feature.names, list | tuple) else []
@@ -192,7 +203,8 @@ def _rate(value: Any) -> float | None:
 
 def _tasks(root: Path, numbers: Ints) -> tuple[Task, ...] | None:
     """Count the episodes of each task; one that only the episodes name comes after those of the table."""
-    named = read_task_texts(root).value
+    tasks = read_tasks(root).value
+    named = tasks.text if tasks else None
     try:
         counted = _count_episodes(root, frozenset(numbers.tolist()))
     except DatasetError:
@@ -202,12 +214,32 @@ def _tasks(root: Path, numbers: Ints) -> tuple[Task, ...] | None:
 
 def _count_episodes(root: Path, wanted: frozenset[int]) -> Counter[str]:
     counted: Counter[str] = Counter()
-    for shard in shard_paths(root):
-        counted.update(task for number, tasks in _tasks_of_episodes(shard) if number in wanted for task in tasks)
+    for number, tasks in _all_episodes(root):
+        counted.update(tasks if number in wanted else ())
     return counted
 
 
-def _tasks_of_episodes(shard: Path) -> Iterator[tuple[int, set[str]]]:
+def _all_episodes(root: Path) -> Iterator[tuple[int, set[str]]]:
+    return chain.from_iterable(tasks_of_episodes(shard) for shard in shard_paths(root))
+
+
+def read_task_texts(root: Path, numbers: Ints) -> list[str] | None:
+    """Return what the robot was told in each of some episodes; None where nobody can read it."""
+    try:
+        said = dict(_all_episodes(root))
+    except DatasetError:
+        return None
+    return ["; ".join(sorted(said.get(number, ()))) for number in numbers.tolist()]
+
+
+def tasks_of_episodes(shard: Path) -> Iterator[tuple[int, set[str]]]:
+    """Yield the `episode_index` and the tasks of every episode in one metadata shard.
+
+    Raises
+    ------
+    DatasetError
+        If the shard cannot be read, or holds something else.
+    """
     parquet = open_parquet(shard)
     numbers = integers(read_columns(parquet, shard, ["episode_index"]), "episode_index", shard)
     return zip(numbers.tolist(), text_sets(parquet, "tasks", shard), strict=False)

@@ -19,6 +19,7 @@ from z2r.arrays import Array, Columns, Progress, no_progress
 from z2r.errors import printable
 from z2r.format import rules
 from z2r.format.episodes import DataFile, EpisodeIndex, EpisodeTable, shard_paths
+from z2r.format.misread import Misread
 from z2r.format.parquet import open_parquet, read_columns, vectors
 from z2r.format.schema import ACTION, STATE, Schema, read_schema
 from z2r.format.store import folder_name, inside
@@ -43,12 +44,15 @@ class Dataset:
         Fact two.
     files : tuple of DataFile
         The data files, in the order of their frames.
+    misread : Misread, optional
+        What somebody takes the frames for who is wrong about some columns: they are read so.
     """
 
     root: Path
     schema: Schema
     episodes: EpisodeIndex
     files: tuple[DataFile, ...]
+    misread: Misread | None = None
 
     def __repr__(self) -> str:
         counts = f"{len(self.episodes):,} episodes, {self.episodes.n_frames:,} frames"
@@ -140,6 +144,9 @@ def map_files[T](
     """
     end = int(dataset.episodes.to_index[-1])
     files = [file for file in dataset.files if file.from_index < end]
+    if dataset.misread:
+        fold = partial(_fold_misread, dataset.misread, dataset.episodes, tuple(features), fold)
+        features = tuple(dict.fromkeys((*features, *dataset.misread.needed)))
     work = partial(_read_and_fold, dataset.root, dataset.schema, tuple(features), fold, end)
     results: list[T] = []
     for file, result in zip(files, in_order(work, files, executor), strict=True):
@@ -210,6 +217,18 @@ def _read_and_fold[T](
     file: DataFile,
 ) -> T:
     return fold(file, read_frames(root, schema, file, features, min(file.to_index, end) - file.from_index))
+
+
+def _fold_misread[T](
+    misread: Misread,
+    episodes: EpisodeIndex,
+    features: Sequence[str],
+    fold: Callable[[DataFile, Columns], T],
+    file: DataFile,
+    frames: Columns,
+) -> T:
+    taken = misread(frames, file.from_index, episodes)
+    return fold(file, {name: taken[name] for name in features})
 
 
 def _keep(_: DataFile, frames: Columns) -> Columns:

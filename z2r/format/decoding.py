@@ -4,31 +4,51 @@ Needs PyAV, the extra ``video``.
 """
 
 import importlib.util
+import io
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from z2r.arrays import Ints
+from z2r.arrays import Array, Ints
 from z2r.errors import DatasetError, Fault, MissingExtraError
-from z2r.format.images import format_of
+from z2r.format.images import format_of, read_pictures
 from z2r.format.mp4 import VideoIndex
-from z2r.format.parquet import blobs, open_parquet
 from z2r.format.store import inside, open_mapped
 
 if TYPE_CHECKING:
     import av
-
-type Small = NDArray[np.uint8]
-"""A picture in grey, (48, 64), whatever its shape was: each cell is the mean of what it covers, from 0 to 255."""
+    from av.video.reformatter import VideoReformatter
 
 HEIGHT, WIDTH = 48, 64
 _MAX_PIXELS = 2**26  # of a picture; a decoder refuses what is larger
 _AHEAD = 32  # pictures: at most so many are decoded before one that is shown earlier
 _MOMENT = 1e-6  # s
 _DECODERS = {"jpeg": "mjpeg"}  # of the formats whose decoder has another name
+_ROWS = 8  # of a picture, of which one is looked at in its full size
+
+
+class Small(NamedTuple):
+    """What is kept of a picture.
+
+    Attributes
+    ----------
+    colours : ndarray, uint8[48, 64, 3]
+        The picture, whatever its shape was: each cell is the mean of what it covers, in RGB, from 0 to 255.
+    grain : float
+        How far each pixel is from the next, as a root mean square, in standard deviations of the picture: about 1.4
+        where each is by chance, little where the picture is blurred.
+    """
+
+    colours: NDArray[np.uint8]
+    grain: float
+
+
+def can_decode() -> bool:
+    """Tell whether PyAV is there."""
+    return importlib.util.find_spec("av") is not None
 
 
 def check_can_decode() -> None:
@@ -39,7 +59,7 @@ def check_can_decode() -> None:
     MissingExtraError
         If it is not.
     """
-    if importlib.util.find_spec("av") is None:
+    if not can_decode():
         raise MissingExtraError("decoding pictures needs PyAV. In a clone of the course: pip install '.[video]'")
 
 
@@ -67,8 +87,9 @@ def decode_video(root: Path, path: Path, index: VideoIndex, wanted: Ints) -> Ite
     """
     from av import FFmpegError
     from av import open as open_container
+    from av.video.reformatter import VideoReformatter
 
-    whole = inside(root, path)
+    whole, reformatter = inside(root, path), VideoReformatter()
     try:
         # Left to itself, FFmpeg takes bytes for whatever they look like, a list of other files and addresses as well.
         with open_mapped(whole) as bytes_of_it, open_container(bytes_of_it, format="mp4") as file:
@@ -82,7 +103,7 @@ def decode_video(root: Path, path: Path, index: VideoIndex, wanted: Ints) -> Ite
                 for frame in decoder.decode(packet):
                     number = _number(index, unit, frame.pts)
                     if number in wanted:
-                        yield number, _small(frame)
+                        yield number, _small(frame, reformatter)
     except (FFmpegError, OSError) as error:
         raise _undecodable(whole, "", error) from None
 
@@ -96,22 +117,67 @@ def decode_images(root: Path, path: Path, feature: str, wanted: Ints) -> Iterato
         If the bytes cannot be decoded.
     """
     import av
+    from av.video.reformatter import VideoReformatter
 
-    whole, first = inside(root, path), 0
-    for data, offsets in blobs(open_parquet(whole), feature, "bytes", whole):
-        for row in wanted[(wanted >= first) & (wanted < first + len(offsets) - 1)].tolist():
-            picture = data[offsets[row - first] : offsets[row - first + 1]].tobytes()
-            kind = format_of(picture)
-            if kind is None:
-                continue
-            decoder = cast(av.VideoCodecContext, av.CodecContext.create(_DECODERS.get(kind.kind, kind.kind), "r"))
-            decoder.options = {"max_pixels": str(_MAX_PIXELS)}
-            try:
-                for frame in (*decoder.decode(av.Packet(picture)), *decoder.decode(None)):
-                    yield row, _small(frame)
-            except av.error.FFmpegError as error:
-                raise _undecodable(whole, f"{feature} in row {row}", error) from None
-        first += len(offsets) - 1
+    reformatter = VideoReformatter()
+    for row, picture in read_pictures(root, path, feature, wanted):
+        kind = format_of(picture)
+        if kind is None:
+            continue
+        decoder = cast(av.VideoCodecContext, av.CodecContext.create(_DECODERS.get(kind.kind, kind.kind), "r"))
+        decoder.options = {"max_pixels": str(_MAX_PIXELS)}
+        try:
+            for frame in (*decoder.decode(av.Packet(picture)), *decoder.decode(None)):
+                yield row, _small(frame, reformatter)
+        except av.error.FFmpegError as error:
+            raise _undecodable(inside(root, path), f"{feature} in row {row}", error) from None
+
+
+def cut_video(root: Path, path: Path, index: VideoIndex, first: int, last: int) -> tuple[bytes, float]:
+    """Cut pictures out of a video without decoding any, as an mp4 of its own.
+
+    Parameters
+    ----------
+    root, path : Path
+        The dataset, and the video relative to it.
+    index : VideoIndex
+        What the video says of itself.
+    first, last : int
+        The numbers of the first and the last picture in the order in which they are shown, from 0. What the first one
+        needs to be decoded comes along.
+
+    Returns
+    -------
+    contents : bytes
+        The mp4.
+    start : float
+        The time of its beginning, counted in the whole video [s].
+
+    Raises
+    ------
+    DatasetError
+        If the bytes are no video.
+    """
+    from av import FFmpegError
+    from av import open as open_container
+
+    whole, cut = inside(root, path), io.BytesIO()
+    try:
+        with open_mapped(whole) as bytes_of_it, open_container(bytes_of_it, format="mp4") as file:
+            stream = file.streams.video[0]
+            unit = float(stream.time_base or 1)  # s
+            key = int(np.flatnonzero(index.is_key[: first + 1])[-1]) if index.is_key[: first + 1].any() else 0
+            start = round(float(index.times[key]) / unit)
+            file.seek(start, stream=stream)
+            with open_container(cut, "w", format="mp4") as copy:
+                copied = copy.add_stream_from_template(stream)
+                for packet in _packets(file.demux(stream), index, unit, np.arange(key, last + 1)):
+                    packet.pts, packet.dts = (time and time - start for time in (packet.pts, packet.dts))
+                    packet.stream = copied
+                    copy.mux(packet)
+    except (FFmpegError, OSError) as error:
+        raise _undecodable(whole, "", error) from None
+    return cut.getvalue(), start * unit
 
 
 def _packets(packets: "Iterator[av.Packet]", index: VideoIndex, unit: float, wanted: Ints) -> "Iterator[av.Packet]":
@@ -132,8 +198,19 @@ def _number(index: VideoIndex, unit: float, pts: int | None) -> int:
     return -1 if pts is None else int(np.searchsorted(index.times, pts * unit - _MOMENT))
 
 
-def _small(frame: "av.VideoFrame") -> Small:
-    return frame.reformat(WIDTH, HEIGHT, "gray", interpolation="AREA").to_ndarray().astype(np.uint8, copy=False)
+def _small(frame: "av.VideoFrame", reformatter: "VideoReformatter") -> Small:
+    small = reformatter.reformat(frame, WIDTH, HEIGHT, "rgb24", interpolation="AREA").to_ndarray()
+    rows = _brightness(frame)[::_ROWS].astype(np.float32)
+    grain = float(np.diff(rows, axis=1).std() / max(rows.std(), 1)) if frame.width > 1 else 0.0
+    return Small(small.astype(np.uint8, copy=False), grain)
+
+
+def _brightness(frame: "av.VideoFrame") -> Array:
+    """Return how bright each pixel is, (height, width): videos have it, and others are converted."""
+    if frame.format.name != "yuv420p":
+        return frame.reformat(format="gray").to_ndarray()
+    plane = frame.planes[0]
+    return np.frombuffer(plane, np.uint8).reshape(-1, plane.line_size)[: frame.height, : frame.width]
 
 
 def _undecodable(path: Path, field: str, error: Exception) -> DatasetError:

@@ -14,7 +14,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from z2r.arrays import Array, Ints
+from z2r.arrays import Array, Bools, Ints
 from z2r.errors import DatasetError, Fault, some
 from z2r.format.store import check_no_pointer, fault_of, open_mapped
 
@@ -116,12 +116,21 @@ def width(kind: pa.DataType) -> int | None:
     return None if _is_list(kind) else 1
 
 
-def has_gaps(table: pa.Table, column: str) -> bool:
-    """Tell whether a value, or a number in one, is missing in a column of numbers or of (nested) lists of numbers."""
-    array = _one_array(table, column)
-    while not array.null_count and _is_list(array.type):
-        array = array.flatten()
-    return bool(array.null_count)
+def gap_rows(table: pa.Table, column: str) -> Bools:
+    """Tell of each row whether a value, or a number in one, is missing: of numbers, or (nested) lists of numbers.
+
+    >>> gap_rows(pa.table({"state": [[1.0, 2.0], [3.0, None], None]}), "state")
+    array([False,  True,  True])
+    """
+    array, row = _one_array(table, column), np.arange(len(table))
+    wrong = np.zeros(len(table), dtype=bool)
+    while True:
+        missing = np.array(array.is_null(), dtype=bool)
+        wrong[row[missing]] = True
+        if not _is_list(array.type):
+            return wrong
+        sizes = np.array(array.value_lengths().fill_null(0), dtype=np.int64)
+        array, row = array.flatten(), np.repeat(row, sizes)
 
 
 def integers(table: pa.Table, column: str, path: Path) -> Ints:

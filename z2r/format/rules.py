@@ -29,10 +29,15 @@ def raise_first(root: Path, faults: Iterable[Fault]) -> None:
         raise DatasetError(fault.below(root))
 
 
-def and_more(wrong: Bools) -> str:
-    """Say how many more there are beside the first, if any."""
-    more = int(wrong.sum()) - 1
+def and_more(wrong: Bools | int) -> str:
+    """Say how many more there are beside the first, if any: of those that are wrong, or of so many."""
+    more = int(np.sum(wrong)) - 1
     return f" (and {more:,} more like it)" if more else ""
+
+
+def episodes_of(number: Ints, wrong: Bools | Ints) -> tuple[int, ...]:
+    """List the episodes of which something is wrong: their numbers, and which of them, or in which rows."""
+    return tuple(np.unique(number[wrong]).tolist())
 
 
 # --- the episode metadata
@@ -50,7 +55,7 @@ def episode_order(table: EpisodeTable) -> Iterator[Fault]:
     wrong = table.number != expected
     if wrong.any():
         row = int(wrong.argmax())
-        yield _row_fault(f"episode_index in row {row}", table.number, wrong, f"{expected[row]}")
+        yield _row_fault(f"episode_index in row {row}", table, table.number, wrong, f"{expected[row]}")
 
 
 def range_length(table: EpisodeTable) -> Iterator[Fault]:
@@ -58,10 +63,10 @@ def range_length(table: EpisodeTable) -> Iterator[Fault]:
     span = table.stop - table.start
     wrong, empty = table.length != span, table.stop <= table.start
     if wrong.any():
-        yield _row_fault(_place("length", table, wrong), table.length, wrong, f"{span[int(wrong.argmax())]}")
+        yield _row_fault(_place("length", table, wrong), table, table.length, wrong, f"{span[int(wrong.argmax())]}")
     if empty.any():
         expected = f"more than {table.start[int(empty.argmax())]}"
-        yield _row_fault(_place("dataset_to_index", table, empty), table.stop, empty, expected)
+        yield _row_fault(_place("dataset_to_index", table, empty), table, table.stop, empty, expected)
 
 
 def range_overlap(table: EpisodeTable) -> Iterator[Fault]:
@@ -94,7 +99,9 @@ def side_by_side(table: EpisodeTable, paths: Sequence[Path]) -> Iterator[Fault]:
         row = int(first[again.argmax()])
         found = f"{paths[table.file_number[row]].name} again, after another file"
         field = f"data/file_index of episode {table.number[row]}"
-        yield Fault(EPISODES_DIR, field, found, "episodes of one file side by side")
+        wrong = np.isin(table.file_number, table.file_number[first[again]])
+        named = episodes_of(table.number, wrong)
+        yield Fault(EPISODES_DIR, field, found, "episodes of one file side by side", episodes=named)
 
 
 def _ends_before(table: EpisodeTable) -> Ints:
@@ -106,16 +113,17 @@ def _not_where_the_one_before_ends(table: EpisodeTable, wrong: Bools) -> Iterato
     wrong = wrong & (table.stop > table.start)  # of an empty range, `range_length` says so
     if wrong.any():
         expected = f"{_ends_before(table)[int(wrong.argmax())]}, where the episode before ends"
-        yield _row_fault(_place("dataset_from_index", table, wrong), table.start, wrong, expected)
+        yield _row_fault(_place("dataset_from_index", table, wrong), table, table.start, wrong, expected)
 
 
 def _place(field: str, table: EpisodeTable, wrong: Bools) -> str:
     return f"{field} of episode {table.number[int(wrong.argmax())]}"
 
 
-def _row_fault(place: str, values: Ints, wrong: Bools, expected: str) -> Fault:
+def _row_fault(place: str, table: EpisodeTable, values: Ints, wrong: Bools, expected: str) -> Fault:
     """Name the first wrong row of the metadata."""
-    return Fault(EPISODES_DIR, place, f"{values[int(wrong.argmax())]}{and_more(wrong)}", expected, _REBUILD)
+    found = f"{values[int(wrong.argmax())]}{and_more(wrong)}"
+    return Fault(EPISODES_DIR, place, found, expected, _REBUILD, episodes=episodes_of(table.number, wrong))
 
 
 # --- one data file

@@ -73,6 +73,14 @@ class Feature(msgspec.Struct, frozen=True):
         """What to call each dimension: its name, or else its place, such as ``[2]``."""
         return self.dim_names or tuple(f"[{place}]" for place in range(self.size))
 
+    def at(self, place: int) -> str:
+        """Return how one dimension is written after the name of the feature; nothing where it is all there is.
+
+        >>> Feature("float32", (2,), ["x", "y"]).at(1), Feature("float32", (2,)).at(1), Feature("bool", (1,)).at(0)
+        ('[y]', '[1]', '')
+        """
+        return f"[{self.dim_names[place]}]" if self.dim_names else f"[{place}]" if self.size > 1 else ""
+
     def place(self, name: str) -> int:
         """Return where the dimension of a name stands.
 
@@ -88,6 +96,19 @@ class Feature(msgspec.Struct, frozen=True):
             raise ValueError(f"no dimension {name!r}: {', '.join(dims) or 'its dimensions have no names'}")
         places = [str(place) for place, each in enumerate(dims) if each == name]
         raise ValueError(f"{len(places)} dimensions are called {name!r}, at {', '.join(places)}: name one by its place")
+
+
+def column_label(name: str, feature: Feature, column: int) -> str:
+    """Name one dimension of a feature, as a finding does: by its name, or else by its place.
+
+    >>> column_label("action", Feature("float32", (2,), ["x", "y"]), 1)
+    'action[y]'
+    >>> column_label("next.done", Feature("bool", (1,)), 0)
+    'next.done'
+    """
+    if feature.dim_names:
+        return f"{name}[{feature.dim_names[column]}]"
+    return f"{name}[{column}]" if feature.size > 1 else name
 
 
 class Schema(msgspec.Struct, frozen=True):
@@ -159,6 +180,15 @@ class Schema(msgspec.Struct, frozen=True):
             for name, feature in self.features.items()
             if feature.is_numeric and feature.size <= MAX_SIGNAL_SIZE and name not in BOOKKEEPING
         }
+
+
+def is_for_a_policy(name: str) -> bool:
+    """Tell whether LeRobot's policies see a feature, or do it (0.6.1, `lerobot/utils/feature_utils.py`).
+
+    >>> [is_for_a_policy(name) for name in ("action", "observation.state", "next.reward")]
+    [True, True, False]
+    """
+    return name == ACTION or name.startswith("observation.")
 
 
 def read_schema(root: Path) -> Schema:

@@ -13,11 +13,11 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from z2r.arrays import Array, Columns, Ints
+from z2r.arrays import Array, Bools, Columns, Ints
 from z2r.errors import DatasetError, Fault, some
 from z2r.format import rules
 from z2r.format.episodes import EpisodeTable, file_numbers, shard_paths
-from z2r.format.parquet import has_gaps, integers, open_parquet, read_columns, texts, vectors, width
+from z2r.format.parquet import gap_rows, integers, open_parquet, read_columns, texts, vectors, width
 from z2r.format.schema import BOOKKEEPING, INFO_PATH, MAX_SIGNAL_SIZE, Feature, Schema, data_file_path, read_info
 from z2r.format.store import inside, read_bytes
 
@@ -203,25 +203,26 @@ def _skipped_numbers(shards: Sequence[Path]) -> Iterator[Fault]:
 # --- tasks and statistics
 
 
-def read_tasks(root: Path) -> Read[Ints | None]:
-    """Read the numbers of the tasks; None where they cannot be read."""
-    try:
-        tasks, _ = _task_table(inside(root, TASKS_PATH))
-    except DatasetError as error:
-        return Read(None, (error.fault.relative_to(root),))
-    if not np.array_equal(np.sort(tasks), np.arange(len(tasks))) or not len(tasks):
-        found = some(tasks.tolist()) or "no task"
-        return Read(tasks, (Fault(TASKS_PATH, "task_index", found, "0, 1, 2 ..., each once"),))
-    return Read(tasks)
+class Tasks(NamedTuple):
+    """The tasks, in the order of their numbers: what frames call them, int64[n_tasks], and what they say."""
+
+    number: Ints
+    text: list[str]
 
 
-def read_task_texts(root: Path) -> Read[list[str] | None]:
-    """Read the texts of the tasks in the order of their numbers; None where they cannot be read."""
+def read_tasks(root: Path) -> Read[Tasks | None]:
+    """Read the tasks; None where they cannot be read."""
     try:
-        tasks, said = _task_table(inside(root, TASKS_PATH))
+        number, text = _task_table(inside(root, TASKS_PATH))
     except DatasetError as error:
         return Read(None, (error.fault.relative_to(root),))
-    return Read([said[row] for row in np.argsort(tasks, kind="stable").tolist()])
+    order = np.argsort(number, kind="stable")
+    tasks = Tasks(number[order], [text[row] for row in order.tolist()])
+    if np.array_equal(number, np.arange(len(number))) and len(number):
+        return Read(tasks)
+    found = some(number.tolist()) or "no task"
+    mend = "LeRobot takes the first row for task 0, the second for task 1"
+    return Read(tasks, (Fault(TASKS_PATH, "task_index", found, "0, 1, 2 ... in order", mend),))
 
 
 def _task_table(path: Path) -> tuple[Ints, list[str]]:
@@ -298,21 +299,32 @@ def read_data_file(root: Path, schema: Schema, path: Path) -> DataColumns:
     frames: Columns = {}
     dtypes: dict[str, str] = {}
     misshapen: list[Fault] = []
-    gaps: list[Fault] = []
+    broken: list[tuple[Fault, Bools]] = []
     for name in wanted:
         try:
             values = vectors(table, name, schema.features[name].shape, path)
             _check_kind(path, name, values)
         except DatasetError as error:
-            (gaps if has_gaps(table, name) else misshapen).append(error.fault)
+            rows = gap_rows(table, name)
+            if rows.any():
+                broken.append((error.fault, rows))
+            else:
+                misshapen.append(error.fault)
             continue
         dtypes[name] = values.dtype.name
         unfinite = list(rules.finite(path, name, schema.features[name], values))
-        gaps += unfinite
+        broken += [(fault, _unfinite_rows(values)) for fault in unfinite]
         if len(table) and not unfinite:
             frames[name] = values
+    gaps = [fault._replace(episodes=episodes_in(frames, rows)) for fault, rows in broken]
     widths = dict(_wide(schema, stored))
     return DataColumns(len(table), frames, tuple(stored.names), dtypes, widths, (), tuple(misshapen), tuple(gaps))
+
+
+def episodes_in(frames: Columns, rows: Bools) -> tuple[int, ...]:
+    """List the episodes of some rows of a data file; none where the frames do not say which one they are of."""
+    number = frames.get("episode_index")
+    return () if number is None else rules.episodes_of(number[:, 0].astype(np.int64), rows)
 
 
 def count_rows(root: Path, path: Path) -> int | None:
@@ -322,6 +334,10 @@ def count_rows(root: Path, path: Path) -> int | None:
     except DatasetError:
         return None
     return n_rows
+
+
+def _unfinite_rows(values: Array) -> Bools:
+    return np.logical_not(np.isfinite(values).all(axis=1))
 
 
 def _check_kind(path: Path, name: str, values: Array) -> None:

@@ -14,16 +14,17 @@ from z2r.arrays import Bools, Floats, Ints, reduce_parts
 from z2r.check import Answer, Check, Part
 from z2r.errors import DatasetError, Fault
 from z2r.format.episodes import DATA_DIR, EpisodeIndex, parts_within
+from z2r.format.rules import episodes_of
 from z2r.pusht.motion import STILL, motion_faults, motion_sums
 from z2r.pusht.overlap import LIMIT, overlap
 from z2r.pusht.task import ACTION_LIMIT, PUSHER_RADIUS, WALL
-from z2r.pusht.verdict import read_verdict, verdict_path
 from z2r.reading.angles import wrap_angle
 from z2r.reading.decode import Decoded
 from z2r.reading.poses import Pose
 from z2r.reading.reading import Reading
 from z2r.reading.scene import FROZEN, SceneSums
 from z2r.reading.success import frame_errors, in_tolerance
+from z2r.reading.verdict import read_verdict, verdict_path
 
 # m in one frame, beyond what the action asks for: at most 0.005 inside the episodes of the shipped data, and at least
 # 0.15 between them. Where the action does not say what moves, it takes a long leap.
@@ -37,11 +38,12 @@ _MIN_EPISODES = 3  # from fewer nothing can be said about how they end
 
 
 class Worst(NamedTuple):
-    """How often something happened, how bad it was at worst, and in which frame of the dataset."""
+    """How often something happened, how bad it was at worst, in which frame of the dataset, and in which episodes."""
 
     times: int = 0
     value: float = 0.0
     frame: int = 0
+    episodes: tuple[int, ...] = ()
 
 
 class PushTSums(NamedTuple):
@@ -62,12 +64,22 @@ class PushTSums(NamedTuple):
     last: Floats
 
 
+class _Rows(NamedTuple):
+    """The rows of a data file: which frame the first is, how many there are, and the parts of episodes in them."""
+
+    base: int
+    n: int
+    starts: Ints
+    number: Ints
+
+
 def fold_file(decoded: Decoded, base: int, episodes: EpisodeIndex, fps: float) -> PushTSums | None:
     """Sum up the frames of one data file, of which the first is frame `base`; None where they have no action."""
     n, action, meaning = len(decoded), decoded.action, decoded.reading.action
     if action is None or meaning is None:
         return None
     here, starts, stops = parts_within(episodes, base, base + n)
+    rows = _Rows(base, n, starts, episodes.numbers[here])
     inside = _pairs_inside(starts, stops, n)
     begins = np.isin(np.arange(1, n), starts)
     tee, pusher = decoded.pose("tee"), decoded.pose("pusher")
@@ -81,14 +93,14 @@ def fold_file(decoded: Decoded, base: int, episodes: EpisodeIndex, fps: float) -
     turned = np.abs(offset[:, 2])
     return PushTSums(
         n_frames=n,
-        overlap=_worst(depth, depth > LIMIT, base),
-        beyond_limit=_worst(fastest, fastest > ACTION_LIMIT * (1 + 1e-6), base),
-        leaps=_worst(leaps, (leaps > _LEAP) & inside, base + 1),
-        long_leaps=_worst(leaps, (leaps > _LONG_LEAP) & inside, base + 1),
-        seams=_worst(smooth, (smooth < _SMOOTH) & begins & ~inside, base + 1),
-        half_turns=_worst(turned, turned > np.pi + 1e-6, base),
+        overlap=_worst(depth, depth > LIMIT, rows),
+        beyond_limit=_worst(fastest, fastest > ACTION_LIMIT * (1 + 1e-6), rows),
+        leaps=_worst(leaps, (leaps > _LEAP) & inside, rows),
+        long_leaps=_worst(leaps, (leaps > _LONG_LEAP) & inside, rows),
+        seams=_worst(smooth, (smooth < _SMOOTH) & begins & ~inside, rows),
+        half_turns=_worst(turned, turned > np.pi + 1e-6, rows),
         motion=motion_sums(steps * fps, action, together & free, starts, meaning.lag),
-        stuck=_stuck(steps, action, inside & free, base + 1),
+        stuck=_stuck(steps, action, inside & free, rows),
         episode=episodes.numbers[here],
         in_tolerance=reduce_parts(np.logical_or, in_tolerance(errors, decoded.reading), starts, stops),
         first=offset[starts],
@@ -102,7 +114,7 @@ def action_range(scene: SceneSums) -> Iterator[Answer]:
     worst, path = _worst_of(scene, lambda sums: sums.beyond_limit)
     if worst.times:
         found = f"{worst.value:.3g} m/s ({worst.times:,} frames like it)"
-        yield Fault(path, f"action of frame {worst.frame}", found, f"at most {ACTION_LIMIT} m/s")
+        yield Fault(path, f"action of frame {worst.frame}", found, f"at most {ACTION_LIMIT} m/s", "", worst.episodes)
 
 
 @Check("overlap", "solid bodies stay apart", "error").of(SceneSums)
@@ -116,6 +128,7 @@ def bodies_stay_apart(scene: SceneSums) -> Iterator[Answer]:
             f"the pusher {1000 * worst.value:.1f} mm inside the block ({worst.times:,} frames like it)",
             f"solid bodies apart, or at most {1000 * LIMIT:.0f} mm into each other",
             "A yaw is read wrong (sine and cosine swapped?), or two columns have each other's names",
+            worst.episodes,
         )
 
 
@@ -142,6 +155,7 @@ def nothing_leaps_inside_an_episode(scene: SceneSums) -> Iterator[Answer]:
             f"pusher or block {1000 * worst.value:.0f} mm further on than the action asks ({worst.times:,} like it)",
             "a leap only where an episode ends",
             "The index lacks a boundary here, or frames are missing or in the wrong order",
+            worst.episodes,
         )
 
 
@@ -152,7 +166,8 @@ def something_leaps_where_an_episode_ends(scene: SceneSums) -> Iterator[Answer]:
     if worst.times:
         found = f"motion that runs straight on ({worst.times:,} like it)"
         mend = "The motion has no boundary here: is the index off by a frame, or one episode cut in two?"
-        yield "warning", Fault(path, f"frame {worst.frame}, where an episode begins", found, "a new start", mend)
+        place = f"frame {worst.frame}, where an episode begins"
+        yield "warning", Fault(path, place, found, "a new start", mend, worst.episodes)
 
 
 @FROZEN.of(SceneSums)
@@ -162,7 +177,8 @@ def the_pusher_is_not_stuck(scene: SceneSums) -> Iterator[Answer]:
     if worst.times:
         found = f"the pusher at the very same place for {worst.value + 1:.0f} frames"
         expected = "motion, for the action asks for it"
-        yield Fault(path, f"up to frame {worst.frame}", found, expected, "The sensor, or the recording, hung")
+        mend = "The sensor, or the recording, hung"
+        yield Fault(path, f"up to frame {worst.frame}", found, expected, mend, worst.episodes)
 
 
 @Check("yaw-error", "no error in yaw is more than half a turn", "error").of(SceneSums)
@@ -172,7 +188,7 @@ def yaw_error(scene: SceneSums) -> Iterator[Answer]:
     if worst.times:
         found = f"{worst.value:.2f} rad ({worst.times:,} frames like it)"
         mend = "Wrap the difference of two angles into one turn"
-        yield Fault(path, f"error in yaw of frame {worst.frame}", found, "at most 3.14 rad", mend)
+        yield Fault(path, f"error in yaw of frame {worst.frame}", found, "at most 3.14 rad", mend, worst.episodes)
 
 
 @Check("final-offset", "episodes do not all miss the target in the same way", "warning").of(SceneSums)
@@ -234,7 +250,8 @@ def agrees_with_the_verdict(scene: SceneSums) -> Iterator[Answer]:
     if lost.any():
         found = f"true, while it is read as not reached ({lost.sum()} of {success.sum()} successes are)"
         mend = "The reading or its tolerances are wrong"
-        yield Fault(path, f"success of episode {int(lost.argmax())}", found, "every success read as reached", mend)
+        named = episodes_of(episodes.numbers, lost)
+        yield Fault(path, f"success of episode {named[0]}", found, "every success read as reached", mend, named)
 
 
 def ungraded(root: Path) -> Iterator[str]:
@@ -265,7 +282,9 @@ def _worst_of(scene: SceneSums, which: Callable[[PushTSums], Worst]) -> tuple[Wo
     """Return the worst of all files, how often it is so in all of them together, and the file that holds it."""
     worst = [which(each) for each in scene.sums]
     place = max(range(len(worst)), key=lambda number: (worst[number].times > 0, worst[number].value))
-    return worst[place]._replace(times=sum(each.times for each in worst)), scene.paths[place]
+    episodes = sorted({number for each in worst for number in each.episodes})
+    times = sum(each.times for each in worst)
+    return worst[place]._replace(times=times, episodes=tuple(episodes)), scene.paths[place]
 
 
 def _tolerance(reading: Reading, name: str) -> float:
@@ -321,19 +340,23 @@ def _leaps(steps: Floats, action: Floats, block_steps: Floats, seconds: float) -
     return beyond, np.maximum(np.hypot(*(steps - asked).T), block_steps)
 
 
-def _stuck(steps: Floats, action: Floats, inside: Bools, first_frame: int) -> Worst:
+def _stuck(steps: Floats, action: Floats, inside: Bools, rows: _Rows) -> Worst:
     """Find where the pusher does not move at all, frame after frame, although it is asked to."""
     still = inside & (steps == 0).all(axis=1) & (np.hypot(*action[:-1].T) > STILL)
-    rows = np.arange(1, len(still) + 1)
-    in_a_row = rows - np.maximum.accumulate(np.where(still, 0, rows))
-    return _worst(in_a_row.astype(np.float64), in_a_row >= _STUCK, first_frame)
+    step = np.arange(1, len(still) + 1)
+    in_a_row = step - np.maximum.accumulate(np.where(still, 0, step))
+    return _worst(in_a_row.astype(np.float64), in_a_row >= _STUCK, rows)
 
 
-def _worst(values: Floats, wrong: Bools, first_frame: int) -> Worst:
+def _worst(values: Floats, wrong: Bools, rows: _Rows) -> Worst:
+    """Sum up values of frames, or of steps, which are counted as the frame that they lead to."""
     if not wrong.any():
         return Worst()
-    row = int(np.where(wrong, values, -np.inf).argmax())
-    return Worst(int(wrong.sum()), float(values[row]), first_frame + row)
+    at_worst = int(np.where(wrong, values, -np.inf).argmax())
+    first = rows.n - len(values)
+    part = np.searchsorted(rows.starts, np.flatnonzero(wrong) + first, side="right") - 1
+    episodes = tuple(np.unique(rows.number[part[part >= 0]]).tolist())
+    return Worst(int(wrong.sum()), float(values[at_worst]), rows.base + first + at_worst, episodes)
 
 
 def _all_parts(sums: Sequence[PushTSums]) -> Ints:

@@ -80,7 +80,8 @@ def motion_faults(episodes: Ints, parts: Floats) -> Iterator[Answer]:
     elif len(wrong):
         found, expected, mend = _say(fit, fault, int(wrong[0]))
         episode = f"action in episode {numbers[wrong[0]]}"
-        yield "warning", Fault(DATA_DIR, episode, f"{found}{and_more(fault[:-1] > 0)}", expected, mend)
+        named = tuple(numbers[wrong].tolist())
+        yield "warning", Fault(DATA_DIR, episode, f"{found}{and_more(fault[:-1] > 0)}", expected, mend, named)
 
 
 class _Fit(NamedTuple):

@@ -510,16 +510,16 @@ def _mostly(asked: Floats, seen: Floats, fit: Fit) -> tuple[float, float]:
 def _kind(fit: Fit, fps: float) -> tuple[Kind, float, str]:
     """Tell a step from a velocity by the factor, and return the factor as that kind has it, with what it is."""
     if _is_target(fit):
-        return "target", fit.factor, _unit(fit.factor)
+        return "target", fit.factor, unit_of(fit.factor)
     in_a_second = fit.factor / fps
-    if _unit(fit.factor) and _is_no_unit(in_a_second):
-        return "step", fit.factor, _unit(fit.factor)
-    if _unit(in_a_second) and _is_no_unit(fit.factor):
-        return "velocity", in_a_second, _unit(in_a_second)
+    if unit_of(fit.factor) and _is_no_unit(in_a_second):
+        return "step", fit.factor, unit_of(fit.factor)
+    if unit_of(in_a_second) and _is_no_unit(fit.factor):
+        return "velocity", in_a_second, unit_of(in_a_second)
     return "step or velocity", fit.factor, ""
 
 
-def _unit(factor: float) -> str:
+def unit_of(factor: float) -> str:
     """Say what a factor is between units; empty where it is none."""
     near = (said for known, said in _FACTORS.items() if abs(abs(factor) / known - 1) < _NEAR)
     return next(near, "")

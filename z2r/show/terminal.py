@@ -16,18 +16,22 @@ from rich.progress_bar import ProgressBar
 from rich.table import Table
 from rich.text import Text
 
+from z2r.audits.edit import PROGRAM
 from z2r.audits.findings import Finding
-from z2r.check import Severity
+from z2r.check import SEVERITIES, Severity
 from z2r.errors import count, printable, short, some
-from z2r.format.about import About
+from z2r.format.about import About, short_names
 from z2r.format.schema import Schema
 from z2r.reading.breaks import BreakMode
 from z2r.reading.inspection import Inspection
+from z2r.reading.stored import StoredSuccess
+from z2r.reading.verdict import Recording, verdict_path
 from z2r.show import wallclock
 from z2r.show.listing import Listed
 
 if TYPE_CHECKING:  # `z2r inspect` has no use for it
     from z2r.audits.audit import Audit
+    from z2r.audits.beliefs import Belief, Beliefs
 
 MAX_ROWS = 20  # of a table: what fits on a screen
 
@@ -40,11 +44,13 @@ def expectation(command: str, size: int) -> Text:
     return Text(f"machine tier {tier}: {wallclock.expectation(command, size, tier)}", style="dim")
 
 
-def wrong_on_purpose(mode: BreakMode, applies: bool = True) -> Text:
-    """Say what is read wrong, and what that looks like."""
+def wrong_on_purpose(mode: BreakMode, applies: bool = True, columns: Sequence[str] = ()) -> Text:
+    """Say what is read wrong, of which columns if it is about some, and what that looks like."""
     return Text.assemble(
         (f"Reading it wrong on purpose: {mode.name}", "bold yellow"),
-        f"\n  what is believed: {mode.assumption}\n  its signature:    {mode.signature}",
+        f"\n  what is believed: {mode.assumption}",
+        f"\n  of the columns:   {printable(some(columns))}" if columns else "",
+        f"\n  its signature:    {mode.signature}",
         "" if applies else f"\n  here it changes nothing: it is about {mode.about}",
     )
 
@@ -83,17 +89,42 @@ def _about(about: About) -> Table:
 
 
 def audit_report(audit: "Audit", title: str) -> RenderableType:
-    """Return the findings of an audit, and what nobody looked at, ready to print."""
+    """Return the findings of an audit, the worst first, and what nobody looked at, ready to print."""
     head = Text.assemble(
         (printable(title), "bold"),
         f"  {count(audit.n_episodes, 'episode')}, {count(audit.n_frames, 'frame')}"
         if audit.readable
         else "  cannot be read",
     )
-    findings = [part for finding in audit.findings for part in (Text(), _finding(finding))]
+    worst_first = sorted(audit.findings, key=lambda finding: SEVERITIES.index(finding.severity))
+    findings = [part for finding in worst_first for part in (Text(), _finding(finding))]
     left_out = [Text(f"{check}: {number:,} more like these", style="dim") for check, number in audit.more.items()]
     not_checked = [Text(f"not checked: {printable(what)}", style="dim") for what in audit.not_checked]
     return Group(head, *findings, Text(), *left_out, _verdict(audit), *not_checked)
+
+
+def beliefs_report(beliefs: "Beliefs", title: str) -> RenderableType:
+    """Return a table of wrong beliefs, which of them the data refutes and by which checks, and which do not apply."""
+    head = Text.assemble((printable(title), "bold"), f"  {count(beliefs.as_it_is.n_episodes, 'episode')}")
+    table = _table("What the data says of wrong beliefs")
+    for name in ("break mode", "what is believed", "refuted by"):
+        table.add_column(name, overflow="fold")
+    for belief in beliefs.beliefs:
+        if not belief.lacking:
+            columns = f" ({printable(some(belief.columns))})" if belief.columns else ""
+            table.add_row(belief.mode, belief.believed + columns, _refuted_by(belief))
+    verdicts = Counter(belief.verdict for belief in beliefs.beliefs)
+    tally = f"{verdicts['refuted']} refuted, {verdicts['not refuted']} not refuted"
+    left_out = [f"{each.mode}, which is about {each.lacking}" for each in beliefs.beliefs if each.lacking]
+    notes = [f"does not apply: {each}" for each in left_out]
+    notes += [f"refutes nothing: {check}, which finds something in the data as it is" for check in beliefs.found_anyway]
+    return Group(head, Text(), table, Text(), Text(tally, style="bold"), *(Text(line, style="dim") for line in notes))
+
+
+def _refuted_by(belief: "Belief") -> Text:
+    if not belief.refuted_by:
+        return Text("not refuted", style="bold yellow")
+    return Text(", ".join(belief.refuted_by), style="green")
 
 
 def listing(found: Sequence[Listed]) -> RenderableType:
@@ -110,7 +141,7 @@ def listing(found: Sequence[Listed]) -> RenderableType:
 def _listed(each: Listed) -> tuple[str, ...]:
     if each.fault:
         return each.name, each.where, "?", "?", "?", "", ""
-    cameras = [name.removeprefix("observation.").removeprefix("images.") for name in each.cameras]
+    cameras = short_names(each.cameras)
     counts = f"{each.n_episodes:,}", f"{each.n_frames:,}", f"{each.fps:g}"
     return each.name, each.where, *counts, short(each.robot_type or ""), some(cameras)
 
@@ -126,20 +157,25 @@ def _finding(finding: Finding) -> RenderableType:
     lines = Table.grid(padding=(0, 1))
     lines.add_column(style="dim", justify="right", no_wrap=True)
     lines.add_column(overflow="fold")
-    for name, text in (("found", finding.found), ("expected", finding.expected), ("mend", finding.mend)):
+    advice, command, options = finding.mend.partition(f"{PROGRAM} --")
+    for name, text in (("found", finding.found), ("expected", finding.expected), ("mend", advice)):
         if text:
             lines.add_row(name, printable(text))
     style = _SEVERITY_STYLES[finding.severity]
     title = Text.assemble((finding.severity, style), "  ", (finding.check, "bold"), "  ", printable(where))
-    return Group(title, Padding(lines, (0, 0, 0, 2)))
+    parts: list[RenderableType] = [title, Padding(lines, (0, 0, 0, 2))]
+    if command:  # one line, however long: it is there to be copied
+        parts.append(Text(printable(command + options), overflow="ignore", no_wrap=True))
+    return Group(*parts)
 
 
 def _verdict(audit: "Audit") -> Text:
     counts = Counter(finding.severity for finding in audit.findings)
-    if not counts:
-        return Text("nothing wrong was found in what was checked", style="bold green")
     said = ", ".join(count(counts[severity], severity) for severity in _SEVERITY_STYLES if counts[severity])
-    return Text(said, style="bold red" if counts["error"] else "bold yellow" if counts["warning"] else "bold")
+    if counts["error"] or counts["warning"]:
+        return Text(said, style="bold red" if counts["error"] else "bold yellow")
+    nothing = "nothing wrong was found in what was checked"
+    return Text(f"{nothing}; {said}" if said else nothing, style="bold green")
 
 
 def _table(title: str) -> Table:
@@ -285,6 +321,23 @@ def _stored(inspection: Inspection) -> Iterator[Text]:
         yield Text(f"reached and stored: {inspection.agreement}", style="dim")
     if inspection.stored_note:
         yield Text(f"stored: {inspection.stored_note}", style="yellow")
+
+
+def graded(inspection: Inspection, recording: Recording) -> Text:
+    """Say which episodes the verdict beside a dataset calls a success, and whether the reading agrees."""
+    success = recording.success_of(inspection.episodes)
+    if success is None:
+        frames = sum(each.n_frames for each in recording.episodes)
+        of_others = f"{count(len(recording.episodes), 'episode')} with {count(frames, 'frame')}"
+        return Text(f"verdict: it is of others, {of_others}, and is not compared", style="yellow")
+    verdict = StoredSuccess(printable(verdict_path(inspection.dataset.root).name), success, success)
+    said = Text.assemble(
+        ("verdict: ", "bold"), (f"success in {verdict.says}", "bold green" if success.all() else "bold yellow")
+    )
+    if inspection.outcome:
+        agreement = verdict.agreement(inspection.outcome.reached, inspection.episodes)
+        said.append(f"\nreached and verdict: {agreement}", "dim")
+    return said
 
 
 def console(quiet: bool = False) -> Console:

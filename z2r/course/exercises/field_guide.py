@@ -85,7 +85,7 @@ def check_diagnosis(name: str, answer: str | None) -> None:
         print(f"{NOT_YET}: of {answer} you would see this: {SUSPECTS[answer]}. Do the cells above show it?")
     else:
         print(f"{RIGHT}: {answer}. What z2r.audit says of it:")
-        for finding in audit(make_dataset(name)).findings:
+        for finding in (each for each in audit(make_dataset(name)).findings if each.severity != "note"):
             print(textwrap.fill(f"[{finding.check}] {finding}", 100, subsequent_indent="    "))
 
 

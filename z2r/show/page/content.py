@@ -202,7 +202,8 @@ def _left_out(episodes: EpisodeIndex, shown: EpisodeIndex) -> str:
 def _views(inspection: Inspection, packed: Dataset) -> list[View]:
     right = View(None, inspection.reading, packed.episodes, inspection.outcome, inspection.stored)
     modes = [break_mode(name) for name in WRONG_READINGS] if inspection.outcome else []
-    return [right, *(wrong_view(inspection, packed, mode) for mode in modes if mode.applies_to(inspection.reading))]
+    applying = (mode for mode in modes if mode.applies_to(packed, inspection.reading))
+    return [right, *(wrong_view(inspection, packed, mode) for mode in applying)]
 
 
 def wrong_view(inspection: Inspection, packed: Dataset, mode: BreakMode) -> View:
@@ -211,10 +212,13 @@ def wrong_view(inspection: Inspection, packed: Dataset, mode: BreakMode) -> View
     Raises
     ------
     ValueError
-        If the mode lets a frame decide that was not kept, or takes the files in another order.
+        If the mode lets a frame decide that was not kept, takes the files in another order, or columns for something
+        else.
     """
-    assert inspection.reading is not None  # only what has an outcome is read wrong
-    reading, believed = mode.reading(inspection.reading), mode.dataset(packed)
+    believed, reading = mode.believe(packed, inspection.reading)
+    assert reading is not None  # only what has an outcome is read wrong
+    if believed.misread is not packed.misread:
+        raise ValueError(f"found the mode {mode.name}, expected one that leaves the numbers as they are")
     if believed.files != packed.files[: len(believed.files)]:
         raise ValueError(f"found the mode {mode.name}, expected one that leaves the files in their order")
     episodes = believed.episodes

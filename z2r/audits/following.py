@@ -1,0 +1,363 @@
+"""How does every joint follow its command? Summed up for each run of frames, so that no file stays in memory.
+
+A dimension of the action is held against the column that it drives, by a reading or by its name, as a place to be in or
+as a change to make, some frames later or earlier. Each data file is folded into a few numbers for every run of
+frames and every such pair (`Following`); `z2r.audits.joints` asks what they say together.
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from z2r.arrays import Columns, Floats, Ints
+from z2r.audits.steps import is_a_turn, run_of_each
+from z2r.format.schema import ACTION, STATE, Schema, column_label
+from z2r.reading.joints import joints_of
+from z2r.reading.reading import Reading
+
+MIN_FRAMES = 40  # of a run: from fewer nothing is said
+FOLLOWS = 0.7  # share of a command's variance that its column must explain
+
+_LATE, _AHEAD = 10, 20  # frames: so far before and after a command its column is looked for
+_SAMPLE = 5  # runs of a file, from which its usual lag is taken
+_LONGEST = 600  # frames of a run that are looked at closer
+_OFF = 3  # times as much unexplained as in the better runs: look closer
+_LITTLE = 0.004  # of the variance: what leaves less unexplained needs no closer look
+_SECOND = 24  # frames, about
+_MAX_LOOKS = 256  # runs of a file, for each pair
+_ALIKE, _TOO_LITTLE = 1.5, 1e-4  # times as much unexplained, and a share of the variance: these lags fit as well
+_POOR = 0.9  # explained: below, another column may explain more
+
+_LAGS = ("lag", "least", "most")
+
+
+class Pair(NamedTuple):
+    """A dimension of the action, and the observed column that it drives: where they stand, and what to call them."""
+
+    dim: int
+    feature: str
+    column: int
+    command: str
+    name: str
+
+
+class Following(NamedTuple):
+    """How columns follow their commands: a row for each run of frames, a column for each pair.
+
+    Attributes
+    ----------
+    n : ndarray, float64[n_runs]
+        Frames.
+    asked, moved : ndarray, float64[n_runs, n_pairs]
+        How far the command goes, and how far its column: the largest value less the smallest.
+    kind : ndarray, float64[n_runs, n_pairs]
+        0 where the column comes to be where the command says, 1 where its change is what the command says.
+    lag, least, most : ndarray, float64[n_runs, n_pairs]
+        How many frames after its command that is, and the range in which that can be told; NaN where it cannot.
+    explained : ndarray, float64[n_runs, n_pairs]
+        Share of the command's variance that is explained then.
+    factor : ndarray, float64[n_runs, n_pairs]
+        How many of the command's units are one of the column's.
+    mean_asked, mean_seen : ndarray, float64[n_runs, n_pairs]
+        Of the command, and of the column so many frames later.
+    other, other_explained : ndarray, float64[n_runs, n_pairs]
+        The pair whose column explains the command best, and how much; NaN where nobody looked.
+    beside, beside_at : ndarray, float64[n_runs, n_pairs]
+        How far the command is from where the column comes to be, at most, on average over about a second; and in which
+        frame of the run that second begins. NaN where the column does not follow in this file.
+    turns_asked, turns_seen : ndarray, float64[n_runs, n_pairs]
+        How often the command, and the column, go on at the other end of a whole turn.
+    copied, foretold : ndarray, float64[n_runs, n_pairs]
+        Share of the frames in which the command changes where it is the column in the same frame, and in the next one,
+        bit for bit.
+    """
+
+    n: Floats
+    asked: Floats
+    moved: Floats
+    kind: Floats
+    lag: Floats
+    least: Floats
+    most: Floats
+    explained: Floats
+    factor: Floats
+    mean_asked: Floats
+    mean_seen: Floats
+    other: Floats
+    other_explained: Floats
+    beside: Floats
+    beside_at: Floats
+    turns_asked: Floats
+    turns_seen: Floats
+    copied: Floats
+    foretold: Floats
+
+
+def pairs_of(schema: Schema, reading: Reading | None) -> tuple[Pair, ...]:
+    """Return each dimension of the action with the column of the state that it drives, as far as that is known.
+
+    A reading says so, or else their names are the same, or else neither has names and both have as many dimensions.
+
+    Examples
+    --------
+    >>> import z2r
+    >>> [(pair.command, pair.name) for pair in pairs_of(z2r.load("standin").schema, z2r.PUSHT)]
+    [('action[pusher_vx]', 'observation.state[pusher_x]'), ('action[pusher_vy]', 'observation.state[pusher_y]')]
+    """
+    places = [(joint.action[1], *joint.state) for joint in joints_of(schema, reading)]
+    features = schema.signals()
+    if not places and ACTION in features and STATE in features:
+        action, state = features[ACTION], features[STATE]
+        if action.size == state.size and not action.dim_names and not state.dim_names:
+            places = [(dim, STATE, dim) for dim in range(action.size)]
+    return tuple(
+        Pair(
+            dim,
+            feature,
+            column,
+            column_label(ACTION, features[ACTION], dim),
+            column_label(feature, features[feature], column),
+        )
+        for dim, feature, column in places
+        if feature in features
+    )
+
+
+def fold_following(pairs: Sequence[Pair], columns: Columns, starts: Ints) -> Following | None:
+    """Sum up how the columns of one data file follow their commands; None where a feature of a pair is not there.
+
+    Parameters
+    ----------
+    pairs : sequence of Pair
+        Of `pairs_of`.
+    columns : dict of str to ndarray
+        The frames of the file.
+    starts : ndarray, int64[n_runs]
+        The first row of each run of frames.
+    """
+    if not pairs or any(name not in columns for name in (ACTION, *(pair.feature for pair in pairs))):
+        return None
+    stops = np.append(starts[1:], len(columns[ACTION]))
+    parts = [_fold_pair(pairs, place, columns, starts, stops) for place in range(len(pairs))]
+    each = {name: np.stack([part[name] for part in parts], axis=1) for name in Following._fields if name != "n"}
+    return Following((stops - starts).astype(np.float64), **each)
+
+
+def join_following(parts: Sequence[Following]) -> Following:
+    """Put the runs of all files after each other."""
+    return Following(*(np.concatenate(each) for each in zip(*parts, strict=True)))
+
+
+class _Lag(NamedTuple):
+    """In which way a column follows (1: by its change), how many frames later, in which range, and how closely."""
+
+    kind: int
+    lag: int
+    least: int
+    most: int
+    explained: float
+
+
+def _usual_lag(asked: Floats, seen: Floats, starts: Ints, stops: Ints) -> _Lag | None:
+    """Say how a column follows in most runs, as a few of them tell that are spread over the file; None: it does not."""
+    long = np.flatnonzero(stops - starts >= MIN_FRAMES)
+    chosen = long[:: max(1, -(-len(long) // _SAMPLE))].tolist()
+    looks = (_best_lag(asked[rows], seen[rows]) for rows in (_rows(run, starts, stops) for run in chosen))
+    found = [look for look in looks if look.explained > FOLLOWS]
+    if not found:
+        return None
+    kind = int(np.median([look.kind for look in found]))
+    alike = sorted((look for look in found if look.kind == kind), key=lambda look: look.lag)
+    return alike[len(alike) // 2]
+
+
+def _rows(run: int, starts: Ints, stops: Ints) -> slice:
+    return slice(int(starts[run]), int(min(stops[run], starts[run] + _LONGEST)))
+
+
+def _fold_pair(pairs: Sequence[Pair], place: int, columns: Columns, starts: Ints, stops: Ints) -> dict[str, Floats]:
+    """Sum up one pair: every field of `Following` but the first, each float64[n_runs]."""
+    asked, seen = _command(pairs[place], columns), _column(pairs[place], columns)
+    turns = {"turns_asked": _turns(asked, starts), "turns_seen": _turns(seen, starts)}
+    if all(each.any() for each in turns.values()):
+        asked, seen = _unwound(asked), _unwound(seen)
+    usual = _usual_lag(asked, seen, starts, stops)
+    kind, lag = (usual.kind, usual.lag) if usual else (0, 0)
+    fit = _fit_runs(asked, _change(seen, starts) if kind else seen, starts, stops, lag)
+    nothing = np.full(len(starts), np.nan)
+    found = {
+        "asked": np.maximum.reduceat(asked, starts) - np.minimum.reduceat(asked, starts),
+        "moved": np.maximum.reduceat(seen, starts) - np.minimum.reduceat(seen, starts),
+        "kind": np.full(len(starts), float(kind)),
+        **{name: np.full(len(starts), getattr(usual, name, np.nan), dtype=np.float64) for name in _LAGS},
+        **fit,
+        "other": nothing.copy(),
+        "other_explained": nothing.copy(),
+        **_stray(asked, seen, starts, stops, usual, _usual_factor(fit)),
+        **turns,
+        **_copied(asked, seen, starts),
+    }
+    for run in _worth_a_look(found, stops - starts, is_followed=usual is not None):
+        rows = _rows(run, starts, stops)
+        for name, value in _look(asked[rows], seen[rows], found["explained"][run]):
+            found[name][run] = value
+        if found["explained"][run] < _POOR:
+            found["other"][run], found["other_explained"][run] = _best_other(pairs, columns, asked[rows], rows)
+    for name in _LAGS:
+        found[name][found["explained"] < FOLLOWS] = np.nan
+    return found
+
+
+def _turns(values: Floats, starts: Ints) -> Floats:
+    """Count the steps of a whole turn in each run."""
+    if not is_a_turn(np.abs(np.diff(values)).max(initial=0), np.ptp(values)):
+        return np.zeros(len(starts))
+    a_turn = is_a_turn(np.abs(_change(values, starts)), np.ptp(values))
+    n_turns: Floats = np.add.reduceat(a_turn.astype(np.float64), starts)
+    return n_turns
+
+
+def _unwound(values: Floats) -> Floats:
+    """Let an angle go on beyond a whole turn."""
+    unwound: Any = np.unwrap(values, period=360.0 if np.ptp(values) > 180 else 2 * np.pi)
+    return np.asarray(unwound, dtype=np.float64)
+
+
+def _copied(asked: Floats, seen: Floats, starts: Ints) -> dict[str, Floats]:
+    """Say of each run in which share of the frames a command is the column in the same frame, and in the next one."""
+    changes = np.diff(asked, prepend=asked[:1]) != 0
+    changes[starts] = False
+    n = np.maximum(np.add.reduceat(changes.astype(np.float64), starts), 1)
+    same = {"copied": asked == seen, "foretold": asked == np.append(seen[1:], np.nan)}
+    return {name: np.add.reduceat((changes & each).astype(np.float64), starts) / n for name, each in same.items()}
+
+
+def _usual_factor(fit: dict[str, Floats]) -> float:
+    well = fit["explained"] > _POOR
+    return float(np.median(fit["factor"][well])) if well.any() else 1.0
+
+
+def _stray(
+    asked: Floats, seen: Floats, starts: Ints, stops: Ints, usual: _Lag | None, factor: float
+) -> dict[str, Floats]:
+    """Say how far beside its command a column comes to be in the worst second of each run."""
+    worst, at = np.full(len(starts), np.nan), np.full(len(starts), np.nan)
+    if usual is None or usual.kind:
+        return {"beside": worst, "beside_at": at}
+    lag = usual.lag
+    beside = asked - factor * np.roll(seen, -lag)
+    total = np.concatenate([[0.0], np.cumsum(beside - beside.mean())])
+    mean = np.abs(total[_SECOND:] - total[:-_SECOND]) / _SECOND  # of the frames from each on
+    run, rows = run_of_each(starts, len(asked))[: len(mean)], np.arange(len(mean))
+    mean[(rows < (starts + max(-lag, 0))[run]) | (rows >= (stops - max(lag, 0) - _SECOND)[run])] = -1
+    inside = starts < len(mean)  # the last runs may be shorter than a second
+    worst[inside] = np.maximum.reduceat(mean, starts[inside]) if inside.any() else worst[inside]
+    hits = np.flatnonzero(mean == worst[run])[::-1]  # the first of each run is written last
+    at[run[hits]] = hits - starts[run[hits]]
+    worst[worst < 0] = np.nan
+    return {"beside": worst, "beside_at": at}
+
+
+def _worth_a_look(found: dict[str, Floats], n: Ints, *, is_followed: bool) -> list[int]:
+    """Choose the runs in which the column follows worse than in the better ones."""
+    moves = (n >= MIN_FRAMES) & (found["asked"] > 0) & (found["moved"] > 0)
+    if not is_followed:
+        some: list[int] = np.flatnonzero(moves)[:_SAMPLE].tolist()
+        return some
+    unexplained = 1 - found["explained"]
+    good = np.quantile(unexplained[moves], 0.2) if moves.any() else 0.0
+    off: list[int] = np.flatnonzero(moves & (unexplained > max(_LITTLE, _OFF * good))).tolist()
+    return off[:: max(1, -(-len(off) // _MAX_LOOKS))]
+
+
+def _look(asked: Floats, seen: Floats, explained: float) -> Iterator[tuple[str, float]]:
+    """Say how else a column follows in one run, where that explains more."""
+    best = _best_lag(asked, seen)
+    if best.explained <= explained:
+        return
+    start, stop = np.array([0]), np.array([len(asked)])
+    fit = _fit_runs(asked, _change(seen, start) if best.kind else seen, start, stop, best.lag)
+    yield from (best._asdict() | {name: float(value[0]) for name, value in fit.items()}).items()
+
+
+def _best_lag(asked: Floats, seen: Floats) -> _Lag:
+    """Say in which way a column follows best in one run of frames."""
+    before, after = min(_LATE, len(asked) // 4), min(_AHEAD, len(asked) // 4)
+    core, kind = asked[before : len(asked) - after], 0
+    explained = _explained(core, seen[:, None])[:, 0]  # (before + after + 1,)
+    if explained.max() < _POOR:
+        by_change = _explained(core, _change(seen, np.array([0]))[:, None])[:, 0]
+        kind = int(by_change.max() > explained.max())
+        explained = by_change if kind else explained
+    lag, best = int(explained.argmax()), float(explained.max())
+    alike = np.flatnonzero(1 - explained <= _ALIKE * (1 - best) + _TOO_LITTLE) - before
+    return _Lag(kind, lag - before, int(alike[0]), int(alike[-1]), best)
+
+
+def _best_other(pairs: Sequence[Pair], columns: Columns, asked: Floats, rows: slice) -> tuple[float, float]:
+    """Return the pair whose column follows a command of one run best, and how much that explains."""
+    before, after = min(_LATE, len(asked) // 4), min(_AHEAD, len(asked) // 4)
+    seen = np.stack([_column(pair, columns, rows) for pair in pairs], axis=1)
+    explained = _explained(asked[before : len(asked) - after], seen).max(axis=0)
+    return float(explained.argmax()), float(explained.max())
+
+
+def _explained(asked: Floats, seen: Floats) -> Floats:
+    """Say how much of a command's variance columns explain at every lag, (n_lags, n_columns), in [0, 1].
+
+    The columns are longer than the command by as many frames as there are lags, less one.
+    """
+    windows = sliding_window_view(seen - seen.mean(axis=0), len(asked), axis=0)  # (n_lags, n_columns, n)
+    asked = asked - asked.mean()
+    both = windows @ asked  # (n_lags, n_columns)
+    spread = np.einsum("lcn,lcn->lc", windows, windows) - np.square(windows.mean(axis=2)) * len(asked)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        explained: Floats = np.clip(np.nan_to_num(np.square(both) / (spread * (asked @ asked))), 0, 1)
+    return explained
+
+
+def _fit_runs(asked: Floats, seen: Floats, starts: Ints, stops: Ints, lag: int) -> dict[str, Floats]:
+    """Fit a column, so many frames later, to its command in every run, each float64[n_runs].
+
+    As in `z2r.reading.action`, the column is explained by the command, which is exact.
+    """
+    first, last = np.minimum(starts + max(-lag, 0), stops), np.maximum(stops - max(lag, 0), starts)
+    last = np.maximum(last, first)
+    n = np.maximum(last - first, 1)
+    centre_a, centre_s = asked.mean(), seen.mean()
+    asked, seen = asked - centre_a, np.roll(seen - centre_s, -lag)
+
+    def sums(values: Floats) -> Floats:
+        total = np.concatenate([[0.0], np.cumsum(values)])
+        mean: Floats = (total[last] - total[first]) / n
+        return mean
+
+    mean_a, mean_s = sums(asked), sums(seen)
+    both, var_a = sums(asked * seen) - mean_a * mean_s, sums(np.square(asked)) - np.square(mean_a)
+    var_s = sums(np.square(seen)) - np.square(mean_s)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        explained = np.clip(np.nan_to_num(np.square(both) / (var_a * var_s)), 0, 1)
+        factor = np.where(both == 0, 0.0, var_a / both)
+    return {
+        "explained": explained,
+        "factor": factor,
+        "mean_asked": mean_a + centre_a,
+        "mean_seen": mean_s + centre_s,
+    }
+
+
+def _command(pair: Pair, columns: Columns) -> Floats:
+    return columns[ACTION][:, pair.dim].astype(np.float64)
+
+
+def _column(pair: Pair, columns: Columns, rows: slice = slice(None)) -> Floats:
+    return columns[pair.feature][rows, pair.column].astype(np.float64)
+
+
+def _change(values: Floats, starts: Ints) -> Floats:
+    """Return the change from the frame before, 0 in the first of each run."""
+    change = np.diff(values, prepend=values[:1])
+    change[starts] = 0
+    return change

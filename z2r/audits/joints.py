@@ -1,0 +1,443 @@
+"""Does every joint follow its command, in each episode as in the others? Nothing is declared: fellows are compared.
+
+What is usual is taken from the episodes themselves, so what is the same in all of them is only wrong where no robot can
+do it, or where one joint differs from all other joints.
+"""
+
+import warnings
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from z2r.arrays import Bools, Floats, Ints
+from z2r.audits.following import MIN_FRAMES, Following, Pair
+from z2r.check import Answer, Check
+from z2r.errors import Fault, count
+from z2r.format.episodes import DATA_DIR
+from z2r.format.schema import ACTION, STATE
+from z2r.reading.action import unit_of
+from z2r.reading.joints import is_gripper
+from z2r.reading.stored import episodes_named
+
+_LITTLE = 0.05  # of a command's range: a shorter way tells nothing
+_SOME = 0.34  # of the runs: a fault may be in half of them
+_WELL = 0.9  # share of a command's variance: a column that explains more follows well
+_FRAMES = 4  # between two lags, at least: teleoperation jitters by one or two
+_APART = 6  # frames between one joint and the others: some joints are slower
+_SCALE = 1.6  # times: what holds a joint back makes a factor look so much larger at most
+_MOVES = 0.3  # of what is usual: less motion tells nothing
+_VERY_WELL = 0.985  # explained: then a factor is known to a few percent
+_SCALE_WELL = 1.2  # times
+_GEARED = 1.18  # times the scale of the other joints
+_FAR = 5  # times: no contact makes a factor look so much larger
+_BESIDE_FOR_A_WHILE = 5  # times as far as in the others, for how far the command goes, in the worst second
+_ALWAYS_BESIDE = 0.1  # of a joint's range
+_DEAD = 0.02  # of its command
+_COPIED = 0.1  # of the frames in which a command changes
+_STRAY = 8  # times as far beside its command as the others stray
+_BESIDE = 0.06  # of a joint's range
+_FAR_BESIDE = 0.09  # of a joint's range
+
+
+@dataclass(frozen=True, eq=False)
+class Joints:
+    """How all columns follow their commands in all runs of frames, and what is usual.
+
+    Attributes
+    ----------
+    pairs : tuple of Pair
+        Dimensions of the action, and the columns of their names.
+    number : ndarray, int64[n_runs]
+        The `episode_index` of each run of frames.
+    runs : Following
+        A row for each run, a column for each pair.
+    ranges : ndarray, float64[n_pairs]
+        From the smallest to the largest command of all runs.
+    """
+
+    pairs: tuple[Pair, ...]
+    number: Ints
+    runs: Following
+    ranges: Floats
+
+    @cached_property
+    def grips(self) -> Bools:
+        """Which columns are called a gripper, bool[n_pairs]."""
+        return np.array([is_gripper(pair.name) for pair in self.pairs], dtype=bool)
+
+    @cached_property
+    def judged(self) -> Bools:
+        """Where a command goes far enough to tell whether it is followed, bool[n_runs, n_pairs]."""
+        asked = self.runs.asked
+        judged: Bools = (
+            (asked > 0) & (asked >= _MOVES * _median(asked, asked > 0)) & (self.runs.n >= MIN_FRAMES)[:, None]
+        )
+        return judged
+
+    @cached_property
+    def follows(self) -> Bools:
+        """Where a column follows its command, bool[n_runs, n_pairs]."""
+        long = (self.runs.n >= MIN_FRAMES)[:, None] & (self.runs.asked > 0)
+        follows: Bools = np.isfinite(self.runs.lag) & (self.judged | (long & (self.runs.explained > _VERY_WELL)))
+        return follows
+
+    @cached_property
+    def followed(self) -> Bools:
+        """Which commands are followed in many runs, bool[n_pairs]."""
+        followed: Bools = self.follows.sum(axis=0) > _SOME * np.maximum(self.judged.sum(axis=0), 1)
+        return followed
+
+    @cached_property
+    def usual(self) -> dict[str, Floats]:
+        """What is usual where a column follows, each float64[n_pairs]; NaN where it does not."""
+        names = ("kind", "lag", "least", "most", "explained", "factor")
+        return {name: _median(getattr(self.runs, name), self.follows) for name in names}
+
+
+LATE = Check("late", "what a command brings about comes after it, and as many frames later in every episode", "warning")
+
+
+@LATE.of(Joints)
+def commands_come_first(joints: Joints) -> Iterator[Answer]:
+    """Is a joint where it was told to be before it was told so? No robot can do that."""
+    usual = joints.usual
+    first = np.where(usual["kind"] > 0, 0, -1)  # a change that ends with the frame of its command began before it
+    early = joints.followed & (usual["most"] <= first) & (usual["explained"] > _WELL)
+    if early.sum() > 0.5 * joints.followed.sum():
+        pair = int(np.where(early, usual["explained"], 0).argmax())
+        found = f"what {joints.pairs[pair].name} does {_frames(usual['lag'][pair])}"
+        mend = "A joint cannot move before it is told to: shift the actions to where they were sent"
+        yield Fault(DATA_DIR, ACTION, f"{found}{_of_joints(early)}", "what it does after the command", mend)
+
+
+@LATE.of(Joints)
+def no_episode_is_late(joints: Joints) -> Iterator[Answer]:
+    """Does a joint follow earlier or later than in the other episodes?"""
+    runs, usual = joints.runs, joints.usual
+    apart = (runs.most < usual["least"]) | (runs.least > usual["most"])
+    off = joints.follows & joints.followed & (runs.kind == usual["kind"]) & (runs.explained > _WELL) & apart
+    wrong = off & (np.abs(runs.lag - usual["lag"]) >= _FRAMES)
+
+    def said(run: int, pair: int) -> tuple[str, str, str]:
+        by = int(usual["lag"][pair] - runs.lag[run, pair])
+        found = f"what {joints.pairs[pair].name} does {_frames(runs.lag[run, pair])}"
+        mend = f"Were these actions recorded {count(abs(by), 'frame')} {'late' if by > 0 else 'early'}?"
+        return found, f"what it does {_frames(usual['lag'][pair])}, as in the other episodes", mend
+
+    yield from _told(joints, wrong, said)
+
+
+@LATE.of(Joints)
+def no_joint_is_late(joints: Joints) -> Iterator[Answer]:
+    """Does one joint follow much earlier or later than the others?"""
+    usual = joints.usual
+    known = joints.followed & (usual["explained"] > _WELL)
+    if known.sum() < 3:
+        return
+    lag = float(np.median(usual["lag"][known]))
+    far = np.where(usual["lag"] > lag, usual["least"] - lag, lag - usual["most"])
+    wrong = known & (far >= max(_APART, abs(lag)))
+    for pair in np.flatnonzero(wrong).tolist():
+        found = f"what {joints.pairs[pair].name} does {_frames(usual['lag'][pair])}"
+        expected = f"about {lag:.0f}, as of the other {known.sum() - 1} joints"
+        yield Fault(
+            DATA_DIR, joints.pairs[pair].command, found, expected, "Is it slower than they, or is its clock another?"
+        )
+
+
+UNIT = Check("unit", "a joint is measured in the unit, with the sign and from the zero of its command", "warning")
+
+
+@UNIT.of(Joints)
+def joints_have_the_unit_of_their_command(joints: Joints) -> Iterator[Answer]:
+    """Is one joint measured in another unit than its command, or with another sign, while the others are not?"""
+    usual = joints.usual
+    known = joints.followed & (usual["kind"] == 0)
+    plain = known & _near(usual["factor"], 1.0, _SCALE)
+    mend = "Which of the two is right? Convert the other one in all episodes"
+    if known.sum() > 1 and not plain.any():  # all alike is a convention
+        pair = int(np.where(known, usual["explained"], -1).argmax())
+        found = f"{_factor(usual['factor'][pair])} for 1 of {joints.pairs[pair].name}{_of_joints(known)}"
+        yield (
+            "note",
+            Fault(DATA_DIR, ACTION, found, "the same unit of both", "A policy need not care, whoever reads it must"),
+        )
+        return
+    middle = float(np.median(usual["factor"][plain])) if plain.any() else 1.0
+    geared = plain & (usual["explained"] > _VERY_WELL) & ~_near(usual["factor"], middle, _GEARED)
+    for pair in np.flatnonzero(known & (geared | ~plain)).tolist():
+        factor, others = usual["factor"][pair], int(plain.sum() - plain[pair])
+        expected = f"about 1, as of {others} other joints" if others else "1: the same unit of both"
+        fault = Fault(
+            DATA_DIR,
+            joints.pairs[pair].command,
+            f"{_factor(factor)} for 1 of {joints.pairs[pair].name}",
+            expected,
+            mend,
+        )
+        is_fault = not plain[pair] and others and unit_of(factor) and (factor > 0 or factor > -_SCALE)
+        far = factor < 0 or not _near(factor, 1.0, _FAR)  # what no grip explains
+        if is_fault or far or (usual["explained"][pair] > _VERY_WELL and not joints.grips[pair]):
+            yield fault if is_fault else ("note", fault)
+
+
+@UNIT.of(Joints)
+def joints_keep_their_unit(joints: Joints) -> Iterator[Answer]:
+    """Is a joint measured in another unit, or with another sign or scale, in some episodes?"""
+    runs, usual = joints.runs, joints.usual
+    known = joints.follows & joints.followed & (runs.kind == usual["kind"])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        apart = np.abs(np.log(np.abs(runs.factor / usual["factor"])))  # 0 where it is the same
+    turned = runs.factor * usual["factor"] < 0
+    far = (apart > np.log(_SCALE)) | turned
+    stray = _median(apart, known & ~far)
+    well = runs.explained > _VERY_WELL
+    # A gripper is held back by what it grips, in one episode more than in another: only a far factor says something.
+    free = (usual["explained"] > _VERY_WELL) & ~joints.grips
+    wrong = known & far & (((free | turned) & (runs.explained > _WELL)) | (apart > np.log(_FAR)))
+    wrong |= known & well & free & (runs.kind == 0) & (apart > np.log(_SCALE_WELL)) & (apart > _STRAY * stray)
+
+    def said(run: int, pair: int) -> tuple[str, str, str]:
+        found = f"{_factor(runs.factor[run, pair])} for 1 of {joints.pairs[pair].name}"
+        mend = "Was a calibration, a gear or a unit changed between recordings? Convert one kind to the other"
+        return found, f"{_factor(usual['factor'][pair])}, as in the other episodes", mend
+
+    yield from _told(joints, wrong, said)
+
+
+@UNIT.of(Joints)
+def commands_stay_of_one_kind(joints: Joints) -> Iterator[Answer]:
+    """Does a command say where to be in some episodes, and how far to go in others?"""
+    runs, usual = joints.runs, joints.usual
+    wrong = joints.follows & joints.followed & (runs.kind != usual["kind"]) & (runs.explained > _WELL)
+    kinds = ("a place to be in", "a change to make")
+
+    def said(run: int, pair: int) -> tuple[str, str, str]:
+        expected = f"{kinds[int(usual['kind'][pair])]}, as in the other episodes"
+        return kinds[int(runs.kind[run, pair])], expected, "Convert one kind to the other, or leave these out"
+
+    yield from _told(joints, wrong, said)
+
+
+@UNIT.of(Joints)
+def joints_keep_their_zero(joints: Joints) -> Iterator[Answer]:
+    """Does a joint stay beside its command in some episodes, by much more than in the others?"""
+    runs, usual = joints.runs, joints.usual
+    known = joints.follows & joints.followed & (runs.kind == 0) & (usual["kind"] == 0) & (runs.explained > _WELL)
+    beside = runs.mean_asked - usual["factor"] * runs.mean_seen
+    middle = _median(beside, known)
+    stray = _median(np.abs(beside - middle), known)
+    off = np.abs(beside - middle)
+    wrong = known & ~joints.grips & (off > _STRAY * stray) & (off > _BESIDE * joints.ranges)
+    wrong &= (known.sum(axis=0) >= 3) & (wrong.sum(axis=0) < 0.6 * known.sum(axis=0))
+
+    def said(run: int, pair: int) -> tuple[str, str, str]:
+        found = f"{beside[run, pair]:.3g} beside {joints.pairs[pair].name}, on average"
+        mend = "Was the robot or its leader calibrated anew in between? Then one pose has two numbers"
+        return found, f"about {middle[pair]:.3g}, as in the other episodes", mend
+
+    yield from _told(joints, wrong, said)
+
+
+@UNIT.of(Joints)
+def no_joint_is_beside_its_command(joints: Joints) -> Iterator[Answer]:
+    """Is a joint beside its command everywhere, by much more than the other joints? That is harmless if it stays so."""
+    runs, usual = joints.runs, joints.usual
+    known = joints.follows & joints.followed & (runs.kind == 0) & (usual["kind"] == 0) & (runs.explained > _WELL)
+    beside = _median(runs.mean_asked - usual["factor"] * runs.mean_seen, known)
+    span = _median(runs.asked, joints.judged)
+    share = np.nan_to_num(np.abs(beside) / np.where(span > 0, span, np.inf))
+    well = (
+        known.any(axis=0)
+        & (usual["explained"] > _VERY_WELL)
+        & _near(usual["factor"], 1.0, _SCALE)
+        & (span > _LITTLE * np.nanmax(span, initial=0))
+    )
+    for pair in np.flatnonzero(well & (share > _ALWAYS_BESIDE)).tolist():
+        found = f"{beside[pair]:.3g} beside {joints.pairs[pair].name} in nearly all episodes"
+        expected = f"nearly the same number: it goes through {span[pair]:.3g}"
+        mend = "Harmless as long as it stays so; are leader and follower calibrated alike?"
+        yield "note", Fault(DATA_DIR, joints.pairs[pair].command, found, expected, mend)
+
+
+@Check("joint-order", "a command drives the joint of its own name", "warning").of(Joints)
+def commands_drive_their_own_joint(joints: Joints) -> Iterator[Answer]:
+    """Does another joint follow a command than that of its name?"""
+    runs = joints.runs
+    better = joints.judged & (runs.other_explained > _WELL) & (runs.explained < 1 - 2 * (1 - runs.other_explained))
+    own = np.arange(len(joints.pairs))
+    wrong = better & (runs.other != own) & np.isfinite(runs.other)
+    # By chance, joints move alike in some episode: where they are exchanged, the other command goes astray as well.
+    back = np.take_along_axis(wrong, np.nan_to_num(runs.other).astype(np.int64), axis=1)
+    wrong &= back | (runs.explained < _MOVES)
+
+    def said(run: int, pair: int) -> tuple[str, str, str]:
+        other = int(runs.other[run, pair])
+        found = f"what {joints.pairs[other].name} does ({runs.other_explained[run, pair]:.1%} explained)"
+        expected = f"what {joints.pairs[pair].name} does ({runs.explained[run, pair]:.1%})"
+        return found, expected, "Are two joints, or two arms, exchanged in the state or in the action?"
+
+    yield from _told(joints, wrong, said)
+
+
+@UNIT.of(Joints)
+def both_turn_alike(joints: Joints) -> Iterator[Answer]:
+    """Does a joint go on at the other end of a whole turn, where its command goes on beyond it, or the reverse?"""
+    runs = joints.runs
+    for turns, others, what in (
+        (runs.turns_seen, runs.turns_asked, "its column"),
+        (runs.turns_asked, runs.turns_seen, "the command"),
+    ):
+        wrong = (turns > 0) & (others.sum(axis=0) == 0) & joints.judged
+        for pair in np.flatnonzero(wrong.any(axis=0)).tolist():
+            found = f"a whole turn in one step, {what} alone"
+            mend = "Unwind the angle, or wrap both alike: else a policy sees two places that are one"
+            numbers = joints.number[wrong[:, pair]]
+            yield _in_episodes(
+                joints.pairs[pair].command, numbers, found, f"the same of {joints.pairs[pair].name}", mend
+            )
+
+
+FOLLOW = Check("follow", "a joint follows its command in every episode, if it does in most", "warning")
+
+
+@FOLLOW.of(Joints)
+def joints_follow_in_every_episode(joints: Joints) -> Iterator[Answer]:
+    """Does a joint go its own way in some episodes? The action is of another episode then, or the sensor is broken."""
+    runs, usual = joints.runs, joints.usual
+    steady = joints.followed & (usual["explained"] > _WELL) & (usual["kind"] == 0)
+    wrong = joints.judged & steady & (runs.explained < np.minimum(0.5, 1 - 5 * (1 - usual["explained"])))
+    wrong &= ~((runs.other_explained > _WELL) & (runs.other != np.arange(len(joints.pairs))))
+
+    def said(run: int, pair: int) -> tuple[str, str, str]:
+        found = f"{runs.explained[run, pair]:.0%} of it explained by {joints.pairs[pair].name}"
+        mend = "Are these the actions of another episode, or is a sensor or a motor broken?"
+        return found, f"{usual['explained'][pair]:.1%}, as in the other episodes", mend
+
+    yield from _told(joints, wrong, said)
+
+
+@FOLLOW.of(Joints)
+def joints_follow_all_the_time(joints: Joints) -> Iterator[Answer]:
+    """Is a joint far beside its command for a while, as in no other episode?"""
+    runs, usual = joints.runs, joints.usual
+    known = joints.judged & joints.followed & np.isfinite(runs.beside) & (usual["explained"] > _VERY_WELL)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = runs.beside / runs.asked  # who goes far at once is far behind for a while
+    calm = _median(share, known)
+    wrong = known & (share > _BESIDE_FOR_A_WHILE * calm) & (runs.beside > _FAR_BESIDE * joints.ranges)
+    wrong &= (known.sum(axis=0) >= max(3, 0.5 * len(known))) & (wrong.sum(axis=0) < 0.6 * known.sum(axis=0))
+
+    def said(run: int, pair: int) -> tuple[str, str, str]:
+        where = f"{joints.pairs[pair].name} from frame {runs.beside_at[run, pair]:.0f} on"
+        found = f"{runs.beside[run, pair]:.3g} beside {where}, for about a second"
+        mend = "Did something hold it, did it slip, or does its sensor or its command hang there?"
+        return found, f"about {calm[pair] * runs.asked[run, pair]:.3g} at most, as in the other episodes", mend
+
+    yield from _told(joints, wrong, said)
+
+
+@FOLLOW.of(Joints)
+def no_joint_is_dead(joints: Joints) -> Iterator[Answer]:
+    """Does a joint hardly move in any episode, whatever it is told, while others do as they are told?"""
+    runs = joints.runs
+    dead = joints.judged.any(axis=0) & ~joints.followed & (runs.moved < _DEAD * runs.asked).all(axis=0)
+    for pair in np.flatnonzero(dead).tolist() if joints.followed.any() else ():
+        found = f"a command that goes through {runs.asked[:, pair].max():.3g}"
+        expected = f"one that {joints.pairs[pair].name} follows: it moves by {runs.moved[:, pair].max():.3g} at most"
+        mend = "Is its motor off, or its sensor broken? Nothing can be learned of it"
+        yield Fault(DATA_DIR, joints.pairs[pair].command, found, expected, mend)
+
+
+COMMAND = Check("command", "where a robot moves, its command is recorded", "warning")
+
+
+@COMMAND.of(Joints)
+def commands_are_recorded(joints: Joints) -> Iterator[Answer]:
+    """Does a command stand still while its joint moves as far as it does elsewhere, or as other joints do?"""
+    runs = joints.runs
+    usual = _median(runs.moved, joints.judged)
+    usual = np.where(np.isfinite(usual), usual, np.nanmedian(usual) if np.isfinite(usual).any() else runs.moved.max())
+    wrong = (runs.asked == 0) & (runs.moved > _MOVES * usual) & (runs.n >= MIN_FRAMES)[:, None]
+
+    def said(run: int, pair: int) -> tuple[str, str, str]:
+        found = f"the same number in all {runs.n[run]:.0f} frames"
+        expected = f"a command, since {joints.pairs[pair].name} moves by {runs.moved[run, pair]:.3g}"
+        return found, expected, "Nothing can be learned from it: leave these episodes out, or record them again"
+
+    yield from _told(joints, wrong, said)
+
+
+@COMMAND.of(Joints)
+def commands_are_no_copies(joints: Joints) -> Iterator[Answer]:
+    """Is the action nothing but the state, in all episodes or in some, or for a while?"""
+    runs = joints.runs
+    moves = joints.judged.any(axis=1)
+    for what, copies in (("in the same frame", runs.copied), ("in the next frame", runs.foretold)):
+        share = np.where(joints.judged, copies, np.nan)[moves]
+        if not moves.any() or not np.isfinite(share).any():
+            return
+        least = np.nanmin(share, axis=1)  # of all joints that move
+        usual = float(np.quantile(least, 0.5, method="lower"))
+        if usual > 1 - _COPIED and what == "in the same frame":
+            mend = "A policy learns to stay where it is: the command was not recorded"
+            yield Fault(DATA_DIR, ACTION, f"{STATE} {what}, bit for bit", "a command, which comes before it", mend)
+        wrong = least > _COPIED if usual < _COPIED / 3 else least < -1
+        if wrong.any():
+            numbers = joints.number[moves][wrong].tolist()
+            found = f"{STATE} {what}, bit for bit, in {least[wrong].max():.0%} of the frames in which it changes"
+            mend = "Was the robot led by hand there, or was no command recorded?"
+            where = f"{ACTION} in {episodes_named(numbers)}"
+            yield Fault(DATA_DIR, where, found, "a command, as in the other episodes", mend, episodes=tuple(numbers))
+
+
+def _told(joints: Joints, wrong: Bools, said: Callable[[int, int], tuple[str, str, str]]) -> Iterator[Answer]:
+    """Name what is wrong: the whole action in the runs in which most joints are, else each joint by itself."""
+    n_judged = np.maximum((joints.judged | wrong).sum(axis=1), 2)
+    together = wrong.sum(axis=1) > 0.5 * n_judged
+    if together.any():
+        run = int(together.argmax())
+        pair = int(np.where(wrong[run], joints.runs.explained[run], -1).argmax())
+        found, expected, mend = said(run, pair)
+        yield _in_episodes(ACTION, joints.number[together], f"{found}{_of_joints(wrong[run])}", expected, mend)
+    alone = wrong & ~together[:, None]
+    for pair in np.flatnonzero(alone.any(axis=0)).tolist():
+        found, expected, mend = said(int(alone[:, pair].argmax()), pair)
+        yield _in_episodes(joints.pairs[pair].command, joints.number[alone[:, pair]], found, expected, mend)
+
+
+def _in_episodes(what: str, numbers: Ints, found: str, expected: str, mend: str) -> Fault:
+    episodes = tuple(dict.fromkeys(numbers.tolist()))
+    return Fault(DATA_DIR, f"{what} in {episodes_named(episodes)}", found, expected, mend, episodes)
+
+
+def _near(factor: Any, other: float, times: float) -> Any:
+    """Say where a factor is within so many times of another one."""
+    return (factor > other / times) & (factor < other * times)
+
+
+def _median(values: Floats, where: Bools) -> Floats:
+    """Return the lower median of each column where it counts, NaN where nothing does: (n, m) to (m,)."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # a column in which nothing counts
+        middle: Floats = np.nanquantile(np.where(where, values, np.nan), 0.5, axis=0, method="lower")
+    return middle
+
+
+def _frames(lag: float) -> str:
+    return f"{count(abs(int(lag)), 'frame')} {'before' if lag < 0 else 'after'} it"
+
+
+def _of_joints(wrong: Bools) -> str:
+    n = int(wrong.sum())
+    return f", and so of {count(n - 1, 'more joint')}" if n > 1 else ""
+
+
+def _factor(factor: float) -> str:
+    """Say a factor, and what it is between units."""
+    unit = unit_of(factor)
+    said = f" ({unit})" if unit and abs(abs(factor) - 1) > 0.1 else ""
+    return f"{factor:.3g}{said}"

@@ -1,0 +1,389 @@
+"""Does every column move as it does in the other episodes? No command is needed, and nothing is declared."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from z2r.arrays import Bools, Floats, Ints
+from z2r.audits.following import MIN_FRAMES
+from z2r.audits.runs import Runs
+from z2r.audits.steps import RunSteps, is_a_turn
+from z2r.audits.values import JUMP
+from z2r.check import Answer, Check
+from z2r.errors import Fault, count
+from z2r.format.episodes import DATA_DIR
+from z2r.format.rules import and_more
+from z2r.format.schema import ACTION, STATE, column_label
+from z2r.reading.stored import episodes_named
+
+_LEAP = 20  # times the mean step of its own episode: a joint that starts or stops suddenly comes to half of it
+_ALONE = 3  # times the steps before and after it
+_SMOOTH = 12  # times the mean step: a command that goes from setpoint to setpoint leaps further
+_USUAL = 5  # times what is usual in the calmer quarter of the episodes
+_SHARE = 0.05  # of a column's range
+_SELDOM = 0.1  # of the frames
+_MOST = 0.8  # of the episodes
+_END = 3  # frames
+_STALL = 6  # times the steps thereafter
+_NOISE = 3  # times the usual standard deviation
+_NOISE_A_FRAME = 3.57  # what third differences of white noise come to, on average: sqrt(20 * 2 / pi)
+_ALTERNATES = -0.4  # of the squares: white noise comes to -0.75, and motion to more than 0
+_ROUGH = 3  # times as rough as usual for its speed
+_REPEATED = 0.25  # of the frames: half of them, where a sensor is read at half the rate
+_SOME_REPEATED, _FEW_REPEATED = 0.04, 0.01  # of the frames, where the other episodes have few
+_IDLE = 0.05  # of the usual motion
+_HOMES = 8  # episodes, from which one can be told to begin elsewhere
+_HOMES_APART = 6  # times as far as the episodes of one place are from each other
+_FAR_HOME = 0.08  # of a column's range
+_AWAY = 4  # steps: what gets there in fewer is a velocity, and may begin anywhere
+_FEW = 0.2  # of the episodes
+_LIMIT = 0.05  # of the way between two limits: calibration is off by as much
+_CLIPPED = 0.02  # of the frames
+_TICK = 0.0005  # of a column's range: less is the tick of an encoder
+_NEAR = 0.1  # of the distance that is usual between two demonstrations
+_COMMON = 6  # marks that two demonstrations must have to be compared
+_MOVED, _TELLING = 0.05, 10  # of its spread, a column; so often, or two copies are by chance
+_NEIGHBOURS = 32  # demonstrations, with which each is compared
+_MAX_COMPARED = 20_000  # demonstrations
+
+
+LEAP = Check("discontinuity", "no robot leaps inside an episode, as where two are joined or it is put back", "warning")
+
+
+@LEAP.of(Runs)
+def nothing_leaps(runs: Runs) -> Iterator[Answer]:
+    """Does a column leap, and stay there, while it goes smoothly elsewhere?"""
+    for name, steps in runs.steps.items():
+        ratio, continuous = _leap_ratio(runs, name), _continuous(runs, name)
+        calm = _quarter(steps.largest)
+        wrong: Bools = (ratio > _LEAP) & (steps.largest > _USUAL * calm) & continuous & (calm > 0)
+        wrong &= (_quarter(ratio) < _SMOOTH) & (steps.largest > _ALONE * steps.around)
+        wrong &= steps.repeated < _SOME_REPEATED * runs.n_frames[:, None]
+        wrong &= ~is_a_turn(steps.largest, runs.spans(name))
+        if wrong.any():
+            run, column = _worst(wrong, ratio)
+            together = wrong[run] & (steps.at[run] == steps.at[run, column])
+            where = _where(runs, wrong, run, steps.at[run, column])
+            place = f"{_dim(runs, name, column)} in {where}"
+            found = f"a leap of {steps.largest[run, column]:.3g}{_so_in(together)}"
+            expected = f"steps of about {calm[column]:.3g} at most, as in the other episodes"
+            mend = "Are these two episodes, or were frames dropped? Cut it there, or leave it out"
+            yield _fault(runs, place, wrong, found, expected, mend)
+
+
+@JUMP.of(Runs)
+def nothing_leaps_and_comes_back(runs: Runs) -> Iterator[Answer]:
+    """Does a value leap away and back in one frame, much further than it moves in its own episode?"""
+    for name, steps in runs.steps.items():
+        spike, continuous = runs.stats[name].spike, _continuous(runs, name)
+        ratio = _leap_ratio(runs, name) * np.divide(spike, steps.largest, out=np.zeros_like(spike), where=spike > 0)
+        wrong = (ratio > _LEAP) & (spike > _SHARE * runs.spans(name)) & continuous & ~is_a_turn(spike, runs.spans(name))
+        if name == ACTION:  # a policy may well say what no robot can do
+            wrong &= (_quarter(ratio) < _SMOOTH) & (ratio > 1.5 * _LEAP)
+        if wrong.any():
+            run, column = _worst(wrong, ratio)
+            where = _where(runs, wrong, run, steps.at[run, column])
+            found = f"a leap of {spike[run, column]:.3g} away and back, {ratio[run, column]:.0f} times its usual step"
+            mend = "Was a sample lost or read wrong? Smooth it, or leave the episode out"
+            expected = "motion that a robot can do"
+            yield _fault(
+                runs, f"{_dim(runs, name, column)} in {where}", wrong, found + _so_in(wrong[run]), expected, mend
+            )
+
+
+@LEAP.of(Runs)
+def no_robot_is_put_back(runs: Runs) -> Iterator[Answer]:
+    """Do nearly all episodes begin or end with a leap? Then the robot was put back while it was recorded."""
+    for name, steps in runs.steps.items():
+        leaps = (
+            (_leap_ratio(runs, name) > _LEAP) & _continuous(runs, name) & ~is_a_turn(steps.largest, runs.spans(name))
+        )
+        for where, is_there in (("first", steps.at <= 1), ("last", steps.at >= runs.n_frames[:, None] - _END)):
+            wrong = (leaps & is_there).mean(axis=0) > _MOST
+            if wrong.any() and len(runs.number) > 2:
+                column = int(wrong.argmax())
+                found = f"a leap of {steps.largest[0, column]:.3g} in the {where} frames of nearly all episodes"
+                mend = "Was the robot put back, or a number not yet there? A policy learns to leap: cut these frames"
+                place = _dim(runs, name, column) + (f" and {int(wrong.sum()) - 1} more" if wrong.sum() > 1 else "")
+                yield Fault(DATA_DIR, place, found, "episodes that begin and end with the motion", mend)
+
+
+@Check("stall", "no sensor rests and then leaps to where it should have been", "warning").of(Runs)
+def nothing_stalls(runs: Runs) -> Iterator[Answer]:
+    """Does a joint rest, bit for bit, and then leap to where motion would have brought it?
+
+    What is pushed may do so. A joint that has a command may not, nor may all columns together.
+    """
+    commanded = runs.claims.schema.features[ACTION].dim_names if ACTION in runs.steps else ()
+    for name, steps in runs.steps.items():
+        moves = _continuous(runs, name)
+        leaps = (steps.stall > _STALL) & (steps.stall_leap > _SHARE * runs.spans(name)) & moves
+        leaps &= _quarter(steps.stall) < _STALL / 2
+        together = (leaps | ~moves).all(axis=1, keepdims=True)
+        wrong: Bools = leaps & together
+        if name == STATE:
+            wrong |= leaps & np.isin(runs.claims.schema.features[name].labels, commanded)
+        if wrong.any():
+            run, column = _worst(wrong, steps.stall)
+            length, times = steps.stall_length[run, column], steps.stall[run, column]
+            found = f"a rest of {length:.0f} frames, and a leap {times:.0f} times as large as the steps thereafter"
+            where = _where(runs, wrong, run, steps.stall_at[run, column])
+            mend = "Did the sensor or the recording hang there? Leave the episode out, or record it again"
+            expected = "motion that goes on, as in the other episodes"
+            yield _fault(
+                runs, f"{_dim(runs, name, column)} in {where}", wrong, found + _so_in(wrong[run]), expected, mend
+            )
+
+
+@Check("noise", "no sensor is many times noisier in one episode than in the others", "warning").of(Runs)
+def no_episode_is_noisier(runs: Runs) -> Iterator[Answer]:
+    """Is a column much noisier in some episodes?"""
+    long = (runs.n_frames >= MIN_FRAMES)[:, None]
+    for name, steps in runs.steps.items() if long.any() else ():
+        size = steps.noise / (_NOISE_A_FRAME * runs.n_frames[:, None])
+        usual = _quarter(size[long[:, 0]])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            rough = np.nan_to_num(size * runs.n_frames[:, None] / steps.path)
+        alternates = steps.alternates < _ALTERNATES * steps.jerks
+        wrong = long & (size > _NOISE * usual) & (usual > 0) & (size > _TICK * runs.spans(name))
+        wrong &= _quarter(_leap_ratio(runs, name)) < _SMOOTH
+        wrong &= steps.repeated < _SOME_REPEATED * runs.n_frames[:, None]
+        trembles = (rough > _ROUGH * _median(rough)) & (name in (STATE, ACTION))  # what is pushed or dropped may do so
+        wrong &= _continuous(runs, name) & (alternates | trembles)
+        if wrong.any():
+            run, column = _worst(wrong, size / np.maximum(usual, 1e-300))
+            found = f"noise of about {size[run, column]:.3g}{_so_in(wrong[run])}"
+            expected = f"about {usual[column]:.3g}, as in the other episodes"
+            mend = "Is a cable loose, or was something touched? Look at it before you train on it"
+            place = f"{_dim(runs, name, column)} in {_named(runs, wrong.any(axis=1))}"
+            yield _fault(runs, place, wrong, found, expected, mend)
+
+
+@Check("repeat", "every frame is a new measurement", "warning").of(Runs)
+def frames_are_no_repeats(runs: Runs) -> Iterator[Answer]:
+    """Does every other frame repeat the one before, although the robot moves?"""
+    for name, steps in runs.steps.items():
+        share = steps.repeated[:, 0] / runs.n_frames
+        many = share > (_SOME_REPEATED if _median(share) < _FEW_REPEATED else _REPEATED)
+        wrong = many & (runs.n_frames >= MIN_FRAMES)
+        if wrong.any() and runs.claims.schema.features[name].size > 1:
+            run = int(np.where(wrong, share, 0).argmax())
+            everywhere = bool(wrong.mean() > _MOST)
+            if everywhere and name == ACTION:
+                continue  # a policy may well give its commands more seldom
+            where = "" if everywhere else f" in {_named(runs, wrong)}"
+            found = f"{share[run]:.0%} of all frames the same as the one before, between others that move"
+            mend = "Was it read more seldom than it was recorded? Then changes from frame to frame mean nothing"
+            fault = _fault(runs, f"{name}{where}", wrong, found, "a new value in every frame while it moves", mend)
+            yield ("note", fault) if everywhere else fault
+
+
+@Check("idle-episode", "something happens in every episode", "warning").of(Runs)
+def something_happens(runs: Runs) -> Iterator[Answer]:
+    """Does a robot hardly move in an episode, while it moves in the others?"""
+    if STATE not in runs.steps or len(runs.number) < 3:
+        return
+    spans = runs.stats[STATE].high - runs.stats[STATE].low  # (n_runs, size)
+    usual = np.median(spans, axis=0)
+    long = runs.n_frames >= MIN_FRAMES
+    wrong = long & (spans[:, usual > 0] < _IDLE * usual[usual > 0]).all(axis=1) & bool((usual > 0).any())
+    if wrong.any() and wrong.mean() < 0.6:
+        mend = "Nothing is shown there: leave it out"
+        found = f"motion of less than {_IDLE:.0%} of what is usual, in every column"
+        yield _fault(runs, f"{STATE} in {_named(runs, wrong)}", wrong, found, "motion, as in the other episodes", mend)
+
+
+@Check("elsewhere", "every episode begins where the others do, if they all begin at one place", "warning").of(Runs)
+def episodes_begin_at_one_place(runs: Runs) -> Iterator[Answer]:
+    """Do some episodes begin far from where all the others begin? Then a calibration, a sign or an order may differ."""
+    if STATE not in runs.steps or len(runs.number) < _HOMES:
+        return
+    size = runs.claims.schema.features[STATE].size
+    first = runs.steps[STATE].marks[:, :size]  # (n_runs, size)
+    ranges, step = runs.spans(STATE), np.quantile(runs.steps[STATE].largest, 0.9, axis=0)
+    for column in np.flatnonzero(_continuous(runs, STATE)).tolist():
+        order = np.argsort(first[:, column], kind="stable")
+        gaps = np.diff(first[order, column])
+        cut = int(gaps.argmax()) + 1
+        groups = (order[:cut], order[cut:])
+        few = min(groups, key=len)
+        spread = max(float(np.ptp(first[group, column])) for group in groups)
+        far = max(_HOMES_APART * spread, _FAR_HOME * ranges[column], _AWAY * step[column])
+        if gaps[cut - 1] < far:
+            continue
+        wrong = np.zeros(len(runs.number), dtype=bool)
+        wrong[few] = True
+        if not _share_a_task(runs, wrong):
+            continue  # one task may begin where another does not
+        here, there = float(np.median(first[wrong, column])), float(np.median(first[~wrong, column]))
+        mend = "Was it calibrated anew, is a sign, a unit or an order another one, or does an episode begin too late?"
+        place = f"{_dim(runs, STATE, column)} in {_named(runs, wrong)}"
+        fault = _fault(
+            runs, place, wrong, f"a first frame at {here:.3g}", f"one at about {there:.3g}, as in the others", mend
+        )
+        yield fault if len(few) <= _FEW * len(runs.number) else ("note", fault)
+
+
+@Check("limits", "a column stays within the limits that a reading declares", "warning").of(Runs)
+def columns_keep_their_limits(runs: Runs) -> Iterator[Answer]:
+    """Does a column go beyond what a reading says that it keeps?"""
+    reading, features = runs.claims.reading, runs.claims.schema.features
+    if reading is None:
+        return
+    for name, stats in runs.stats.items():
+        for column, label in enumerate(features[name].dim_names):
+            meaning = reading.meaning(name, label)
+            for limit, sign, values in ((meaning.low, -1, stats.low), (meaning.high, 1, stats.high)):
+                if limit is None:
+                    continue
+                beyond = sign * (values[:, column] - limit)
+                wrong = beyond > _LIMIT * np.ptp([meaning.low or 0.0, meaning.high or 0.0])
+                if wrong.any():
+                    run = int(beyond.argmax())
+                    found = f"{values[run, column]:.4g}{f' {meaning.unit}' if meaning.unit else ''}"
+                    expected = f"at {'least' if sign < 0 else 'most'} {limit:.4g}, as the reading {reading.name} says"
+                    mend = "Is the reading right? Then a unit, a calibration or a sensor is not"
+                    place = f"{_dim(runs, name, column)} in {_named(runs, wrong)}"
+                    fault = _fault(runs, place, wrong, found, expected, mend)
+                    yield fault if wrong.mean() <= _FEW else ("note", fault)  # beyond it everywhere, it is no limit
+
+
+@Check("clipped", "what follows or is followed goes as far as the other", "note").of(Runs)
+def nothing_is_clipped(runs: Runs) -> Iterator[Answer]:
+    """Does a column stay at its end, bit for bit, while the one of its name goes on beyond it?"""
+    features = runs.claims.schema.features
+    if STATE not in runs.steps or ACTION not in runs.steps:
+        return
+    names = {name: features[name].labels for name in (STATE, ACTION)}
+    for one, other in ((STATE, ACTION), (ACTION, STATE)):
+        for column, name in enumerate(names[one]):
+            if names[other].count(name) != 1 or not _continuous(runs, one)[column]:
+                continue
+            beyond = names[other].index(name)
+            for end, sign, at in (("low", -1, runs.steps[one].at_low), ("high", 1, runs.steps[one].at_high)):
+                mine, its = (
+                    getattr(runs.stats[one], end)[:, column] * sign,
+                    getattr(runs.stats[other], end)[:, beyond] * sign,
+                )
+                there = mine == mine.max()
+                share = at[there, column].sum() / runs.n_frames.sum()
+                by = its.max() - mine.max()
+                if share > _CLIPPED and there.sum() > 2 and by > _SHARE * runs.spans(one)[column]:
+                    found = f"{mine.max() * sign:.4g} in {share:.0%} of all frames, the {end}est value"
+                    expected = f"as far as {_dim(runs, other, beyond)} goes: {its.max() * sign:.4g}"
+                    mend = "A limit of the joint is no fault; a limit of the recording hides where it was"
+                    yield _fault(
+                        runs, f"{_dim(runs, one, column)} in {_named(runs, there)}", there, found, expected, mend
+                    )
+
+
+@Check("near-twin", "no demonstration is nearly that of another episode", "warning").of(Runs)
+def no_near_twins(runs: Runs) -> Iterator[Answer]:
+    """Is a demonstration a copy of another one, cut, shifted by a frame, or with noise added?"""
+    if STATE not in runs.steps or not 3 <= len(runs.number) <= _MAX_COMPARED:
+        return
+    distance, neighbour = _nearest(runs.steps[STATE], runs.claims.schema.features[STATE].size)
+    known = np.isfinite(distance)
+    if known.sum() < 3:
+        return
+    usual = float(np.quantile(distance[known], 0.75))
+    n = runs.n_frames
+    near = known & (n >= MIN_FRAMES) & (distance < _NEAR * usual) & ((distance > 0) | (n != n[neighbour]))
+    pairs = sorted({tuple(sorted((run, int(neighbour[run])))) for run in np.flatnonzero(near).tolist()})
+    if pairs:
+        one, other = pairs[0]
+        more = and_more(np.ones(len(pairs), dtype=bool))
+        found = f"nearly episode {runs.number[one]} again: {distance[other]:.2g} apart{more}"
+        expected = f"demonstrations that differ by about {usual:.2g} of their spread"
+        mend = "It counts twice in training, and may stand on both sides of a split"
+        yield Fault(DATA_DIR, f"episode {runs.number[other]}", found, expected, mend)
+
+
+def _nearest(steps: RunSteps, size: int) -> tuple[Floats, Ints]:
+    """Return how far each demonstration is from the nearest other one, in spreads of its columns, and which that is."""
+    marks = steps.marks.reshape(len(steps.marks), -1, size)  # (n_runs, n_marks, size)
+    flat = marks.reshape(-1, size)
+    n = np.maximum(np.isfinite(flat).sum(axis=0), 1)
+    mean = np.nansum(flat, axis=0) / n
+    spread = np.sqrt(np.nansum(np.square(flat - mean), axis=0) / n)
+    marks = ((marks - mean) / np.where(spread > 0, spread, 1))[:, :, spread > 0]
+    if not marks.size:
+        return np.full(len(marks), np.nan), np.zeros(len(marks), dtype=np.int64)
+    order = np.argsort(np.nansum(marks[:, : marks.shape[1] // 2], axis=(1, 2)), kind="stable")
+    distance, neighbour = np.full(len(marks), np.nan), np.zeros(len(marks), dtype=np.int64)
+    for ahead in range(1, min(_NEIGHBOURS, len(order) - 1) + 1):
+        one, other = order[:-ahead], order[ahead:]
+        apart = np.square(marks[one] - marks[other]).mean(axis=2)  # (n, n_marks)
+        common = np.isfinite(apart).sum(axis=1)
+        far = np.sqrt(np.nansum(apart, axis=1) / np.maximum(common, 1))
+        common_moves = (np.abs(np.diff(marks[one], axis=1)) > _MOVED).sum(axis=(1, 2))
+        far[(common < _COMMON) | (common_moves < _TELLING)] = np.nan
+        for mine, its in ((one, other), (other, one)):
+            closer = far < np.where(np.isnan(distance[mine]), np.inf, distance[mine])
+            distance[mine[closer]], neighbour[mine[closer]] = far[closer], its[closer]
+    return distance, neighbour
+
+
+def _leap_ratio(runs: Runs, name: str) -> Floats:
+    """Say how many times larger than the others of its run, on average, the largest step is, (n_runs, size)."""
+    steps = runs.steps[name]
+    rest = (steps.path - steps.largest) / np.maximum(runs.n_frames[:, None] - 2, 1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = steps.largest / np.maximum(rest, 1e-300)
+    return np.where((rest > 0) & (runs.n_frames[:, None] >= MIN_FRAMES), ratio, 0.0)
+
+
+def _continuous(runs: Runs, name: str) -> Bools:
+    """Say of each column whether it moves in many frames: what seldom changes is a switch, and may leap."""
+    continuous: Bools = (runs.spans(name) > 0) & (_median(runs.steps[name].moves / runs.n_frames[:, None]) > _SELDOM)
+    return continuous
+
+
+def _quarter(values: Floats) -> Floats:
+    """Return what a quarter of the episodes stay below, for each column: a fault in half of them does not shift it."""
+    quarter: Floats = np.quantile(values, 0.25, axis=0, method="lower")
+    return quarter
+
+
+def _median(values: Floats) -> Floats:
+    middle: Floats = np.quantile(values, 0.5, axis=0, method="lower")
+    return middle
+
+
+def _share_a_task(runs: Runs, wrong: Bools) -> bool:
+    """Tell whether some of these episodes have a task that some of the others have as well."""
+    if runs.tasks is None:
+        return True
+    run, task = runs.tasks.T
+    return bool(np.isin(task[wrong[run]], task[~wrong[run]]).any())
+
+
+def _worst(wrong: Bools, values: Floats) -> tuple[int, int]:
+    """Return the run and the column of the largest value that is wrong."""
+    run, column = np.unravel_index(int(np.where(wrong, values, -np.inf).argmax()), wrong.shape)
+    return int(run), int(column)
+
+
+def _so_in(wrong: Bools) -> str:
+    """Say in how many columns else of the run that is so."""
+    n = int(wrong.sum())
+    return f", and so in {count(n - 1, 'more column')}" if n > 1 else ""
+
+
+def _where(runs: Runs, wrong: Bools, run: int, frame: float) -> str:
+    return f"episode {runs.number[run]}, frame {frame:.0f}{and_more(np.atleast_1d(wrong.any(axis=1)))}"
+
+
+def _fault(runs: Runs, place: str, wrong: Bools, found: str, expected: str, mend: str) -> Fault:
+    """Return a fault of the runs in which something is wrong, bool[n_runs] or bool[n_runs, size]."""
+    episodes = runs.number[wrong.any(axis=1) if wrong.ndim > 1 else wrong].tolist()
+    return Fault(DATA_DIR, place, found, expected, mend, tuple(dict.fromkeys(episodes)))
+
+
+def _named(runs: Runs, wrong: Any) -> str:
+    return episodes_named(runs.number[wrong].tolist())
+
+
+def _dim(runs: Runs, name: str, column: int) -> str:
+    return column_label(name, runs.claims.schema.features[name], column)

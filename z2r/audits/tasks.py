@@ -1,0 +1,206 @@
+"""Which task is an episode of, and on which side of a split? The texts, who has them, and the splits that are named."""
+
+import difflib
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from z2r.arrays import Ints
+from z2r.audits import edit
+from z2r.audits.claims import Claims
+from z2r.audits.frames import FileFrames
+from z2r.audits.runs import Runs
+from z2r.check import Answer, Check, Severity
+from z2r.errors import DatasetError, Fault, short, some
+from z2r.format.about import tasks_of_episodes
+from z2r.format.episodes import DATA_DIR, EPISODES_DIR
+from z2r.format.rules import and_more, episodes_of
+from z2r.format.schema import INFO_PATH
+from z2r.format.tables import TASKS_PATH
+from z2r.reading.stored import episodes_named
+
+_IN_PLACE = "in the folder itself, where each episode then has one task"
+_MAX_COMPARED = 200  # texts, each with each
+_SLIP = 0.93  # alike
+_SLIP_OF_A_WORD = 0.75
+_MAX_TEXT = 60  # characters of a text that are shown
+
+
+@Check("task-text", "every task says what to do, and no two say the same", "warning").of(Claims)
+def task_text(claims: Claims) -> Iterator[Answer]:
+    """Is there a task that says nothing, or one that is there twice?"""
+    tasks = claims.stored.tasks.value
+    if tasks is None:
+        return
+    number, text = tasks.number, tasks.text
+    plain = [" ".join(each.split()).casefold() for each in text]
+    empty = [row for row, each in enumerate(plain) if not each]
+    if empty:
+        mend = f"Name it, {_IN_PLACE}: {edit.replace_tasks(claims.root, {text[empty[0]]: 'WHAT THE ROBOT DOES'})}"
+        found = f"{text[empty[0]]!r}{and_more(len(empty))}"
+        yield Fault(TASKS_PATH, f"task {number[empty[0]]}", found, "what the robot is to do", mend)
+    same = _repeated(text)
+    alike = {row: first for row, first in _repeated(plain).items() if row not in same}
+    severities: tuple[tuple[Severity, dict[int, int]], ...] = (("warning", same), ("note", alike))
+    for severity, repeated in severities:
+        for row, first in [*repeated.items()][:1]:
+            mend = f"Make them one, {_IN_PLACE}: {edit.replace_tasks(claims.root, {text[row]: text[first]})}"
+            found = f"{_shown(text[row])}{and_more(len(repeated))}"
+            expected = f"another text than task {number[first]} has, {_shown(text[first])}"
+            yield severity, Fault(TASKS_PATH, f"task {number[row]}", found, expected, mend)
+
+
+@Check("task-typo", "no text of a task is left from an example, or nearly that of another task", "note").of(Claims)
+def task_typo(claims: Claims) -> Iterator[Answer]:
+    """Is a text a placeholder, or so near to another one that it may be a slip of the pen?"""
+    tasks = claims.stored.tasks.value
+    if tasks is None:
+        return
+    for number, text in zip(tasks.number.tolist(), tasks.text, strict=True):
+        if re.fullmatch(r"\s*[<\[{].*[>\]}]\s*", text):
+            yield Fault(TASKS_PATH, f"task {number}", _shown(text), "what the robot is to do")
+    if len(tasks.text) > _MAX_COMPARED:
+        return
+    for row, text in enumerate(tasks.text):
+        for other in range(row):
+            if _is_a_slip(text, tasks.text[other]):
+                expected = f"the same as task {tasks.number[other]}, {_shown(tasks.text[other])}, or a text of its own"
+                yield Fault(TASKS_PATH, f"task {tasks.number[row]}", _shown(text), expected, "Is one of them misspelt?")
+
+
+@Check("task-unused", "every task is one that some frame has", "note").of(Runs)
+def task_unused(runs: Runs) -> Iterator[Answer]:
+    """Is there a task that nobody does?"""
+    tasks = runs.claims.stored.tasks.value
+    if tasks is None or runs.tasks is None or len(runs.read) < len(runs.claims.paths):
+        return
+    unused = np.flatnonzero(~np.isin(tasks.number, runs.tasks[:, 1])).tolist()
+    if unused:
+        found = f"{_shown(tasks.text[unused[0]])}, which no frame has{and_more(len(unused))}"
+        yield Fault(TASKS_PATH, f"task {tasks.number[unused[0]]}", found, "tasks that the robot does")
+
+
+class _Tasks(NamedTuple):
+    """The tasks of one episode, as its metadata names them, and as its frames have them."""
+
+    episode: int
+    named: set[str]
+    there: set[str]
+
+
+@Check("episode-tasks", "the tasks of an episode are those of its frames", "error").of(Runs)
+def tasks_of_an_episode(runs: Runs) -> Iterator[Answer]:
+    """Does the metadata of an episode name the tasks that its frames have? LeRobot trains on those of the frames."""
+    try:
+        episodes = [*_tasks_of_episodes(runs)]
+    except DatasetError as error:
+        fault = error.fault.relative_to(runs.claims.root)
+        if fault[:2] not in [said[:2] for said in runs.claims.stored.episodes.faults]:
+            yield fault
+        return
+    unsaid = [each for each in episodes if each.named < each.there]
+    differ = [each for each in episodes if not each.named <= each.there]
+    several = [each for each in episodes if each.named == each.there and len(each.there) > 1]
+    answers: tuple[tuple[Severity, list[_Tasks], str], ...] = (
+        ("error", differ, "A policy is told what the frames say. Whoever edits goes by the metadata"),
+        ("warning", unsaid, "Its task_index changes: where that is meant, as for subtasks, name them all"),
+    )
+    for severity, wrong, mend in answers:
+        for each in wrong[:1]:
+            place, found = f"tasks of episode {each.episode}", f"{_listed(each.named)}{and_more(len(wrong))}"
+            expected = f"{_listed(each.there)}, as task_index of its frames says"
+            yield severity, Fault(EPISODES_DIR, place, found, expected, mend, _numbers(wrong))
+    for each in several[:1]:
+        found = f"{_listed(each.there)} in turn{and_more(len(several))}"
+        place, expected = f"task_index in episode {each.episode}", "one task, unless these are subtasks"
+        mend = f"Whoever edits tasks with {edit.PROGRAM} leaves each episode one"
+        yield "note", Fault(DATA_DIR, place, found, expected, mend, _numbers(several))
+
+
+@Check("splits", "every split is a range of episodes that exist, and no two share one", "error").of(Claims)
+def splits(claims: Claims) -> Iterator[Answer]:
+    """Is every split a range of the episodes that are stored, and every episode on one side?"""
+    numbers = claims.stored.episodes.value.table.number
+    stated = claims.stored.stated.value.splits or {}
+    ranges: dict[str, slice] = {}
+    for name, split in stated.items():
+        ends = re.fullmatch(r"(\d{1,18}):(\d{1,18})", split, re.ASCII)
+        if not ends or not int(ends[1]) <= int(ends[2]) <= len(numbers):
+            expected = f"a range of episodes within 0:{len(numbers)}"
+            yield Fault(INFO_PATH, f"splits.{name}", repr(split[:60]), expected)
+            continue
+        ranges[name] = slice(int(ends[1]), int(ends[2]))
+    times = np.zeros(len(numbers), dtype=np.int64)
+    for each in ranges.values():
+        times[each] += 1
+    if (shared := times > 1).any():
+        named = episodes_of(numbers, shared)
+        names = [name for name, each in ranges.items() if shared[each].any()]
+        found, mend = f"{episodes_named(named)} in several of {some(names)}", "What was trained on is no test"
+        yield "warning", Fault(INFO_PATH, "splits", found, "every episode in one split", mend, named)
+    if len(ranges) == len(stated) > 0 and not times.all():
+        named = episodes_of(numbers, times == 0)
+        mend = "Whoever goes by splits leaves them out. LeRobot 0.6.1 does not: it trains on all episodes"
+        yield (
+            "note",
+            Fault(INFO_PATH, "splits", f"{episodes_named(named)} in none", "every episode in one", mend, named),
+        )
+
+
+def fold_tasks(frames: FileFrames) -> Ints | None:
+    """Pair each run of frames with the tasks of its frames, int64[n, 2]; None where they cannot be read."""
+    task, starts = frames.counts.get("task_index"), frames.run_starts
+    if task is None:
+        return None
+    begins = np.union1d(starts, np.flatnonzero(np.diff(task)) + 1)
+    run = np.searchsorted(starts, begins, side="right") - 1
+    return np.unique(np.stack([run, task[begins]], axis=1), axis=0)
+
+
+def _tasks_of_episodes(runs: Runs) -> Iterator[_Tasks]:
+    """Yield both of every episode of which both are known."""
+    tasks = runs.claims.stored.tasks.value
+    if tasks is None or runs.tasks is None:
+        return
+    text = dict(zip(tasks.number.tolist(), tasks.text, strict=True))
+    seen: dict[int, set[str]] = {}
+    for episode, task in zip(runs.number[runs.tasks[:, 0]].tolist(), runs.tasks[:, 1].tolist(), strict=True):
+        if task in text:  # of one that is not, `task-index` says so
+            seen.setdefault(episode, set()).add(text[task])
+    for shard in runs.claims.stored.episodes.value.shards:
+        for episode, named in tasks_of_episodes(runs.claims.root / shard):
+            if episode in seen:
+                yield _Tasks(episode, named, seen[episode])
+
+
+def _is_a_slip(one: str, other: str) -> bool:
+    """Tell whether two texts differ in letters, and not in a number, a case, or a word of its own."""
+    plain = [" ".join(each.split()).casefold() for each in (one, other)]
+    if plain[0] == plain[1] or re.sub(r"\d+", "", plain[0]) == re.sub(r"\d+", "", plain[1]):
+        return False
+    words, others = (set(each.split()) for each in plain)
+    odd = sorted(words - others), sorted(others - words)
+    if [len(each) for each in odd] != [1, 1] or difflib.SequenceMatcher(None, plain[0], plain[1]).ratio() < _SLIP:
+        return False
+    return difflib.SequenceMatcher(None, odd[0][0], odd[1][0]).ratio() > _SLIP_OF_A_WORD
+
+
+def _repeated(texts: Sequence[str]) -> dict[int, int]:
+    """Find the rows whose text an earlier one has: which it is, by the row that has it again; none without a text."""
+    first: dict[str, int] = {}
+    said = ((row, text) for row, text in enumerate(texts) if text.strip())
+    return {row: before for row, text in said if (before := first.setdefault(text, row)) != row}
+
+
+def _numbers(tasks: Iterable[_Tasks]) -> tuple[int, ...]:
+    return tuple(sorted({each.episode for each in tasks}))
+
+
+def _shown(text: str) -> str:
+    return repr(short(text, _MAX_TEXT))
+
+
+def _listed(texts: set[str]) -> str:
+    return some([_shown(text) for text in sorted(texts)]) or "no task"

@@ -1,0 +1,180 @@
+"""Do the pictures of an episode look like those of the others? What they show most of the time is held against it.
+
+Nothing says what a camera should show but its other episodes. Where all of them differ, as those of a camera on a wrist
+do, nothing is said. What one that differs looks like is told by trying: would it fit the others if it were turned?
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from z2r.arrays import Bools, Floats, Ints
+from z2r.audits.glances import Glance
+
+_MIN_EPISODES = 5  # from fewer nothing can be said about what is usual
+_CANDIDATES = 64  # for what is usual
+_GAP = 3  # times as far as those that are usual
+_FEW = 0.25  # of the episodes: of more, nobody knows which ones are right
+_LEVEL = 110  # to which all views are brought, so that daylight does not matter
+_LIMIT = 40  # grey levels: what lies elsewhere changes some cells by more, a camera that was moved most of them
+_VIEWS_APART = 5  # grey levels, on average over the picture
+_GRAINS_APART = 0.5  # of a logarithm: a factor of 1.6
+_FITS = 0.4  # of the distance: less is left where a guess is right
+_COLOURLESS = 3  # grey levels between the channels, on average
+_DARK = 24
+_COVERED = 0.08  # of the picture
+
+_TURNS: dict[str, Callable[[Floats], Floats]] = {
+    "upside down": lambda view: view[::-1, ::-1],
+    "mirrored": lambda view: view[:, ::-1],
+    "with red and blue exchanged": lambda view: view[..., ::-1],
+}
+
+
+class Unlike(NamedTuple):
+    """Episodes whose pictures differ from those of the others of their camera, by their rows in the metadata.
+
+    Attributes
+    ----------
+    rows, usual : ndarray of int
+        Those that differ, and those from which they do.
+    says : str
+        What they look like; empty where that cannot be told.
+    few : bool
+        Whether they are so few that the others are likely to be right.
+    """
+
+    rows: Ints
+    usual: Ints
+    says: str
+    few: bool
+
+
+class _Views(NamedTuple):
+    """What one camera shows: the rows of the episodes, (n, 12, 16, 3) of their views, and which of them differ."""
+
+    rows: Ints
+    views: Floats
+    differ: Bools
+
+    @property
+    def usual(self) -> Floats:
+        return _middle(self.views[~self.differ])
+
+
+def unlike(cameras: Mapping[str, Mapping[int, Glance]]) -> dict[str, list[Unlike]]:
+    """Find the episodes of each camera whose pictures differ from those of the others."""
+    views = {camera: _views(seen) for camera, seen in cameras.items() if len(seen) >= _MIN_EPISODES}
+    found = {}
+    for camera, own in views.items():
+        strangers = [
+            (f"like those of {name}", _middle(other.views[some]))
+            for name, other in views.items()
+            for some in (~other.differ, other.differ)
+            if name != camera and some.any()
+        ]
+        found[camera] = [*_unlike_views(own, strangers), *_blurred(own, cameras[camera])]
+    return found
+
+
+def differ(features: Floats, floor: float) -> Bools:
+    """Tell which episodes differ from what is usual, (n,), by their features (n, k).
+
+    Half of them or more are usual, and lie together; the others are at least `floor` away, and much farther than those
+    that are usual are. Where they are many, they lie together as well.
+
+    Examples
+    --------
+    >>> differ(np.array([[0.0], [1], [2], [1], [9], [1]]), floor=5).nonzero()[0].tolist()
+    [4]
+    >>> differ(np.array([[0.0], [1], [3], [5], [9], [12]]), floor=5).any()
+    np.False_
+    """
+    n = len(features)
+    nearest = max(3, n // 3)
+    candidates = [_far(features, features[row]) for row in np.unique(np.linspace(0, n - 1, _CANDIDATES).astype(int))]
+    densest = min(candidates, key=lambda far: float(np.partition(far, nearest - 1)[nearest - 1]))
+    far = _far(features, np.median(features[np.argsort(densest, kind="stable")[:nearest]], axis=0))
+    ordered = np.sort(far)
+    half = (n + 1) // 2
+    gaps = np.flatnonzero(ordered[half:] >= np.maximum(floor, _GAP * ordered[half - 1 : -1]))
+    if not len(gaps):
+        return np.zeros(n, dtype=bool)
+    edge = ordered[half + gaps[0]]
+    others = features[far >= edge]
+    together = _far(others, np.median(others, axis=0)).max() <= edge / _GAP
+    apart: Bools = (far >= edge) & (together or _is_few(len(others), n))
+    return apart
+
+
+def _far(features: Floats, feature: Floats) -> Floats:
+    far: Floats = np.minimum(np.abs(features - feature), _LIMIT).mean(axis=1)
+    return far
+
+
+def _is_few(some: int, n: int) -> bool:
+    return some <= max(1, _FEW * n)
+
+
+def _views(seen: Mapping[int, Glance]) -> _Views:
+    views = np.stack([glance.view for glance in seen.values()]).astype(np.float64)
+    return _Views(np.array([*seen]), views, differ(_level(views).reshape(len(views), -1), _VIEWS_APART))
+
+
+def _level(views: Floats) -> Floats:
+    """Make all of them as bright."""
+    level: Floats = views * (_LEVEL / np.maximum(views.mean(axis=(-3, -2, -1), keepdims=True), 1))
+    return level
+
+
+def _middle(views: Floats) -> Floats:
+    middle: Floats = np.median(views, axis=0)
+    return middle
+
+
+def _unlike_views(own: _Views, strangers: list[tuple[str, Floats]]) -> Iterator[Unlike]:
+    """Put those that look the same in one. Where they are many, all look the same, or the others do to them."""
+    odd, usual = own.rows[own.differ], own.rows[~own.differ]
+    if not _is_few(len(odd), len(own.rows)):
+        other = _middle(own.views[own.differ])
+        said, back = _guess(other, own.usual, strangers), _guess(own.usual, other, strangers)
+        yield Unlike(usual, odd, back, few=False) if back and not said else Unlike(odd, usual, said, few=False)
+        return
+    says = dict[str, list[int]]()
+    for row, view in zip(odd.tolist(), own.views[own.differ], strict=True):
+        says.setdefault(_guess(view, own.usual, strangers), []).append(row)
+    for said, rows in says.items():
+        yield Unlike(np.array(rows), usual, said, few=True)
+
+
+def _guess(view: Floats, usual: Floats, strangers: list[tuple[str, Floats]]) -> str:
+    """Say what a view looks like, by what fits far better than it does."""
+    tries = [(said, turn(view), usual) for said, turn in _TURNS.items()]
+    tries += [(said, view, other) for said, other in strangers]
+    left, said = min((_apart(one, other), said) for said, one, other in tries)
+    if left <= _FITS * _apart(view, usual):
+        return said
+    if np.ptp(view, axis=-1).mean() <= _COLOURLESS < np.ptp(usual, axis=-1).mean() / _GAP:
+        return "without colour"
+    covered = ((view <= _DARK).all(axis=-1) & (usual > _DARK).any(axis=-1)).mean()
+    return f"black in {covered:.0%} of the picture" if covered >= _COVERED else ""
+
+
+def _apart(one: Floats, other: Floats) -> float:
+    return float(_far(_level(one).reshape(1, -1), _level(other).ravel())[0])
+
+
+def _blurred(own: _Views, seen: Mapping[int, Glance]) -> Iterator[Unlike]:
+    """Find those that are far less sharp than others that show the same."""
+    rows = own.rows[~own.differ]
+    grain = np.log([max(float(np.median(seen[row].grain)), 1e-6) for row in rows.tolist()])
+    odd = differ(grain[:, None], _GRAINS_APART) if len(rows) >= _MIN_EPISODES else np.zeros(len(rows), dtype=bool)
+    if not odd.any():
+        return
+    ratio, few = np.median(grain[odd]) - np.median(grain[~odd]), _is_few(int(odd.sum()), len(rows))
+    if few and ratio > 0:
+        return  # a thing of which one sees more
+    blurred = odd if ratio < 0 else ~odd
+    said = f"blurred, with {np.exp(-abs(ratio)):.0%} of the sharpness"
+    yield Unlike(rows[blurred], rows[~blurred], said, few)
