@@ -200,7 +200,7 @@ print(sum(reached), "of", len(reached), "reached")
 # %%
 for i, verdict in enumerate(z2r.read_verdict(z2r.STANDIN).episodes):
     stored = z2r.frame_errors(episodes[i])["pos_err"][-1]
-    print(f"{i}: last stored {stored:.4f} m, after the last action {verdict.pos_err:.4f} m")
+    print(f"{i}: last stored {stored:.4f} m, after the last action {verdict.details['pos_err']:.4f} m")
 
 # %% [markdown]
 # In five episodes the distance did not change any more. In episode 1 it changed by two millimetres, and nobody stored
@@ -265,7 +265,7 @@ for i, verdict in enumerate(z2r.read_verdict(z2r.MESSY).episodes):
         print(f"episode {i}")
         pos_err, ang_err = last_errors["pos_err"][i], last_errors["ang_err"][i]
         print(f"    last stored frame      {pos_err:.4f} m, {ang_err:.4f} rad")
-        print(f"    after the last action  {verdict.pos_err:.4f} m, {verdict.ang_err:.4f} rad")
+        print(f"    after the last action  {verdict.details['pos_err']:.4f} m, {verdict.details['ang_err']:.4f} rad")
 
 # %% [markdown]
 # Two of the four deserve a closer look.

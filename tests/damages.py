@@ -33,7 +33,7 @@ from layouts import (
 import z2r
 from z2r.audits.findings import Finding
 from z2r.pusht.task import ACTION_NAMES, STATE_NAMES
-from z2r.pusht.verdict import verdict_path
+from z2r.reading.verdict import verdict_path
 
 INFO, TASKS, EPISODES_DIR = "meta/info.json", "meta/tasks.parquet", "meta/episodes"
 EPISODES, DATA = "meta/episodes/chunk-000/file-000.parquet", "data/chunk-000/file-000.parquet"

@@ -126,4 +126,4 @@ def test_delayed_actions_leave_every_statistic_right(copy):
     for episode in range(len(late.episodes)):
         part = late.episodes[episode]
         np.testing.assert_array_equal(late.read(ACTION)[part][1:], right.read(ACTION)[part][:-1])
-    assert checks(copy) == {"action-motion"}
+    assert checks(copy) == {"action-motion", "late"}

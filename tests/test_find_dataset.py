@@ -58,7 +58,7 @@ def test_a_misspelt_name_offers_the_near_ones(name, offered, tmp_path, monkeypat
 @pytest.mark.parametrize("name", ["qqqq", "no/such/parent", "../qqqq/zzzz", "no.such/pa..rent", "-a/b", "a/-b"])
 def test_a_name_that_is_like_no_other_offers_nothing(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(z2r.DatasetError, match=r"standin or messy$") as caught:
+    with pytest.raises(z2r.DatasetError, match=r"standin or messy or arm$") as caught:
         find_dataset(name)
     assert caught.value.fault.mend == ""
 
@@ -178,8 +178,8 @@ def test_all_that_is_there_is_listed_with_what_it_says_of_itself(home, tmp_path,
     (home / ".cache/huggingface/hub/datasets--no--dataset/snapshots/0123").mkdir(parents=True)
     put(home / ".cache/huggingface/hub/models--no--dataset/snapshots/0123")
     found = {each.name: each for each in list_datasets(Path())}
-    assert list(found) == ["standin", "messy", "broken", "here", "user/name", "other/name"]
-    assert [each.where for each in found.values()] == ["ships", "ships", "here", "here", "LeRobot", "hub"]
+    assert list(found) == ["standin", "messy", "arm", "broken", "here", "user/name", "other/name"]
+    assert [each.where for each in found.values()] == ["ships", "ships", "ships", "here", "here", "LeRobot", "hub"]
     assert (found["here"].n_episodes, found["here"].n_frames, found["here"].fps) == (6, 427, 10)
     assert found["here"].robot_type == "pusht"
     assert found["broken"].n_episodes is None
@@ -202,9 +202,9 @@ def test_the_command_lists_them_for_people_and_for_scripts(tmp_path):
     assert line == ["here", "here", "6", "427", "10", "[b]\\x1b[2J", "top"]
     assert "broken: meta/info.json: found broken JSON" in said.stdout
     listed = msgspec.json.decode(run("ls", "--json", cwd=tmp_path).stdout)
-    assert [each["name"] for each in listed] == ["standin", "messy", "broken", "here"]
-    assert listed[3]["cameras"] == ["observation.images.top"]
-    assert set(listed[2]) == set(listed[3])
+    assert [each["name"] for each in listed] == ["standin", "messy", "arm", "broken", "here"]
+    assert listed[4]["cameras"] == ["observation.images.top"]
+    assert set(listed[3]) == set(listed[4])
 
 
 def test_a_command_takes_what_is_listed_and_calls_it_by_its_name(tmp_path, home):

@@ -259,6 +259,28 @@ def test_where_nothing_moves_a_std_does_no_harm_and_a_mean_does(standin_copy):
     assert one(standin_copy, "stats").severity == "error"
 
 
+def test_what_lerobot_itself_rounds_is_told_where_a_policy_sees_it_in_another_size(tmp_path):
+    """It sums up in float32: far from 0, a step is lost, and to compute it again does not help."""
+    from lerobot.datasets.lerobot_dataset import LeRobotDataset
+
+    feature = {"dtype": "float32", "shape": (2,), "names": ["near", "far"]}
+    where = {"repo_id": "test/test", "root": tmp_path / "dataset", "video_backend": "pyav"}
+    dataset = LeRobotDataset.create(**where, fps=30, features={STATE: feature, "action": feature}, use_videos=False)
+    for length in (140, 150):
+        for moved in 10 * np.sin(np.arange(length) / 10):
+            values = np.array([moved, 1.7e5 + moved], dtype=np.float32)
+            dataset.add_frame({STATE: values, "action": values, "task": "test"})
+        dataset.save_episode()
+    dataset.finalize()
+    for finding in (findings := found(tmp_path / "dataset", "stats")):
+        assert finding.field.endswith("std[far]")
+        assert "too coarse" in finding.mend
+        factor = float(re.search(r"(\S+) times too small", finding.mend)[1])
+        seen = seen_by_a_policy(tmp_path / "dataset", finding.field.removesuffix(".std[far]"), "MEAN_STD")
+        assert 1 / factor == pytest.approx(seen[:, 1].astype(float).std(), rel=1e-2)
+    assert len(findings) == 2
+
+
 def test_the_worst_of_a_check_comes_first(standin_copy):
     """So that a note about the number of frames hides no std of zero."""
     names = [f"next.{letter}" for letter in "abcde"]

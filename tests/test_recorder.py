@@ -7,7 +7,7 @@ import pytest
 
 import z2r
 from z2r.pusht.simulator.env import PushTEnv
-from z2r.pusht.verdict import verdict_path
+from z2r.reading.verdict import verdict_path
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +35,7 @@ def test_a_frame_is_the_observation_before_the_step_and_the_action_taken(recordi
             np.testing.assert_array_equal(state[frame], observation)
             observation = env.step(action[frame]).observation
         assert (env.success, env.steps) == (told.success, told.n_frames)
-        assert (told.pos_err, told.ang_err) == pytest.approx((env.pos_err, env.ang_err))
+        assert told.details == pytest.approx({"pos_err": env.pos_err, "ang_err": env.ang_err})
 
 
 def test_the_verdict_is_beside_the_dataset_and_not_in_it(recording):
@@ -83,14 +83,3 @@ def test_a_recording_that_was_killed_leaves_nothing_that_reads_as_a_dataset(tmp_
     for leftover in tmp_path.rglob("meta"):
         with pytest.raises(z2r.DatasetError):
             z2r.load(leftover.parent)
-
-
-def test_the_verdict_of_a_dataset_without_one_is_none(standin_copy):
-    assert z2r.read_verdict(standin_copy) is None
-
-
-@pytest.mark.parametrize("content", [b"", b"{}", b"\xff", b'{"command": "", "stack": {}, "episodes": []}'])
-def test_a_file_that_is_no_verdict_is_named(standin_copy, content):
-    verdict_path(standin_copy).write_bytes(content)
-    with pytest.raises(z2r.DatasetError, match=r"standin\.verdict\.json"):
-        z2r.read_verdict(standin_copy)

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from damages import EPISODES, PUSH, TASKS, edit_column, edit_info, set_at, set_tasks, wrong_in
+from damages import EPISODES, PUSH, TASKS, drop_column, edit_column, edit_info, set_at, set_tasks, wrong_in
 from hypothesis import given
 from hypothesis import strategies as st
 from test_readiness import found, line_of, obey, one
@@ -63,6 +63,7 @@ def test_subtasks_that_lerobot_records_are_a_note(tmp_path):
         ((PUSH, PUSH.capitalize()), "note"),
         ((PUSH, PUSH.replace(" ", "\n")), "note"),
         ((PUSH, ""), "warning"),
+        (("", ""), "warning"),
         (("\u2003", PUSH), "warning"),
         ((PUSH, "push the L onto the target"), None),
     ],
@@ -115,6 +116,11 @@ def test_an_episode_has_the_tasks_of_its_frames(named, severity, standin_copy):
     finding = one(standin_copy, "episode-tasks")
     assert (finding.severity, finding.episodes) == (severity, (1,))
     assert (1 in z2r.audit(standin_copy).kept) == (severity != "error")
+
+
+def test_tasks_that_are_not_there_are_named_once(standin_copy):
+    drop_column(standin_copy, EPISODES, "tasks")
+    assert [each.check for each in wrong_in(z2r.audit(standin_copy))] == ["episodes-file"]
 
 
 def test_tasks_out_of_order_are_those_that_lerobot_mixes_up(standin_copy):

@@ -10,6 +10,7 @@ from .api import write_report as write_report
 from .audits.audit import Audit as Audit
 from .audits.beliefs import Belief as Belief
 from .audits.beliefs import Beliefs as Beliefs
+from .data import ARM as ARM
 from .data import MESSY as MESSY
 from .data import STANDIN as STANDIN
 from .errors import DatasetError as DatasetError
@@ -21,9 +22,6 @@ from .format.salvage import salvage as salvage
 from .format.schema import Feature as Feature
 from .format.schema import Schema as Schema
 from .pusht.simulator.recorder import record as record
-from .pusht.verdict import Recording as Recording
-from .pusht.verdict import Verdict as Verdict
-from .pusht.verdict import read_verdict as read_verdict
 from .pusht.world import PUSHT as PUSHT
 from .reading.action import DrivenColumn as DrivenColumn
 from .reading.angles import decode_yaw as decode_yaw
@@ -46,6 +44,9 @@ from .reading.success import FrameErrors as FrameErrors
 from .reading.success import episode_reached as episode_reached
 from .reading.success import frame_errors as frame_errors
 from .reading.success import in_tolerance as in_tolerance
+from .reading.verdict import Recording as Recording
+from .reading.verdict import Verdict as Verdict
+from .reading.verdict import read_verdict as read_verdict
 from .show.report import Panel as Panel
 from .show.report import Report as Report
 

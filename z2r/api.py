@@ -272,8 +272,12 @@ def write_replay(
     path: str | os.PathLike[str],
     reading: Reading | None = None,
     max_frames: int = MAX_REPLAY_FRAMES,
+    episode: int | None = None,
 ) -> "Replay":
-    """Write the first episodes of a dataset into a rerun recording (.rrd). Needs the extra ``view``.
+    """Write the first episodes of a dataset, or one of them, into a rerun recording (.rrd). Needs the extra ``view``.
+
+    It shows the cameras as their pictures lie on disk, never decoded, the numbers, the tasks, and what the reading
+    makes of them: a world, and how far the goals are.
 
     Parameters
     ----------
@@ -285,17 +289,28 @@ def write_replay(
         What the columns mean; the one that ships and fits, unless given.
     max_frames : int, optional
         Show whole episodes up to this many frames; of a longer first episode, its beginning.
+    episode : int, optional
+        The `episode_index` of the one to show.
+
+    Returns
+    -------
+    Replay
+        How much it shows, and in `left_out` which pictures it does not, and why: a video may be missing.
 
     Raises
     ------
     DatasetError
         If a data file is missing, damaged, or not what the schema and the index say.
+    ValueError
+        If there is no such episode.
     """
     from z2r.show import replay
 
     dataset = _loaded(dataset)
-    n_episodes = len(beginning(dataset.episodes, max_frames))
-    inspection = inspect_dataset(dataset.first(n_episodes), reading=reading, keep=max_frames)
+    if episode is None:
+        dataset = dataset.first(len(beginning(dataset.episodes, max_frames)))
+    reading = reading or choose_reading(dataset.schema)
+    inspection = inspections.inspect_dataset(dataset, None, reading, keep=max_frames, episode=episode)
     return replay.write_replay(inspection, Path(path), scene_of(inspection.reading))
 
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple, NoReturn
 
 import rich_click as click
 
-from z2r.data import SHIPPED, find_dataset
+from z2r.data import MESSY, STANDIN, find_dataset
 from z2r.errors import DatasetError, Fault, MissingExtraError, count
 from z2r.format.store import folder_name
 from z2r.pusht.task import DEMO_NOISE, MAX_STEPS
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from z2r.format.schema import Schema
     from z2r.reading.inspection import Inspection
     from z2r.reading.reading import Reading
+    from z2r.reading.verdict import Recording
 
 _SMOKE_STEPS = 40
 _SHIPPED_EPISODES = 6
@@ -129,6 +130,9 @@ class _AuditCommand(click.RichCommand):
     help="Read the first N episodes only; with `--seed` or `--smoke`, record N.",
 )
 @click.option(
+    "--episode", type=click.IntRange(min=0), metavar="N", help="Show episode N in `inspect.rrd`, and no other."
+)
+@click.option(
     "--seed",
     type=click.IntRange(min=0),
     metavar="S",
@@ -158,6 +162,7 @@ def inspect(
     dataset: Path | None,
     *,
     episodes: int | None,
+    episode: int | None,
     seed: int | None,
     smoke: bool,
     reading: "Reading | None",
@@ -170,17 +175,18 @@ def inspect(
     """Say what is in a dataset: what a frame is, where episodes end, how many reached the target.
 
     DATASET is the folder of a LeRobot v3 dataset, or the name of one that comes with the package: `standin` (read
-    where none is named) or `messy`; or `user/name` as on the hub, where it was downloaded before: `z2r ls` lists them.
-    It is never written to, and nothing is fetched.
+    where none is named), `messy` or `arm`; or `user/name` as on the hub, where it was downloaded before: `z2r ls` lists
+    them. It is never written to, and nothing is fetched.
 
     A dataset seldom stores success. It is reconstructed from the last stored frame of each episode, by a reading: which
     column means what, and what counts as reached.
 
     - `z2r inspect my_dataset --reading my.toml` reads yours; `z2r reading my_dataset` drafts such a file
     - `z2r inspect --break yaw-swap` reads it wrong, to show what that looks like
-    - `rerun z2r-out/inspect.rrd` replays what was read
+    - `rerun z2r-out/inspect.rrd` replays what was read: its cameras, its numbers, its tasks
+    - `z2r inspect my_dataset --episode 7` puts that one into the replay
     """
-    from z2r.show.terminal import console
+    from z2r.show.terminal import console, graded
 
     with_replay = _can_replay(rerun, otherwise=not (smoke or as_json))
     wanted = _Wanted(episodes or _SHIPPED_EPISODES, seed or 0, _SMOKE_STEPS if smoke else MAX_STEPS)
@@ -193,12 +199,17 @@ def inspect(
     data, lost = _load(root, salvaged=salvage)
     screen = console(as_json)
     with _way_out(root, salvaged=salvage):
-        inspection = _inspect(_first(data, episodes), reading, mode, screen, with_replay=with_replay)
-    metrics = _write_metrics(inspection, title, root, out, lost if salvage else None)
+        inspection = _inspect(_first(data, episodes), reading, mode, screen, episode, with_replay=with_replay)
+    recording, no_verdict = _read_verdict(root)
+    metrics = _write_metrics(inspection, title, recording, out, lost if salvage else None)
     _say_what_was_found(screen, inspection, title, lost if salvage else None, given=reading is not None)
+    if recording:
+        screen.print(graded(inspection, recording))
+    if no_verdict:
+        screen.print(no_verdict, style="yellow", soft_wrap=True)
     screen.print(f"wrote {out / 'metrics.json'}", soft_wrap=True)
     if with_replay:
-        _write_replay(inspection, out / "inspect.rrd", screen)
+        _write_replay(inspection, out / "inspect.rrd", screen, episode)
     elif rerun is None and not smoke:
         screen.print(_NO_REPLAY, soft_wrap=True)
     if as_json:
@@ -210,19 +221,32 @@ def _inspect(
     reading: "Reading | None",
     mode: BreakMode | None,
     screen: "Console",
+    episode: int | None,
     *,
     with_replay: bool,
 ) -> "Inspection":
     """Read a dataset; say before it how long that takes, and what is read wrong."""
-    from z2r.api import MAX_REPLAY_FRAMES, choose_reading, inspect_dataset
+    from z2r.api import MAX_REPLAY_FRAMES, choose_reading
+    from z2r.reading.inspection import inspect_dataset
     from z2r.show.terminal import progress
 
     reading = _fitting(reading, dataset.schema) or choose_reading(dataset.schema)
+    _check_episode(episode, mode.dataset(dataset) if mode else dataset)
     _announce(screen, "inspect" if with_replay else "inspect --no-rerun", dataset)
     if mode:
         _say_what_is_wrong(screen, mode, dataset, reading)
     with progress("reading", "frames", screen.quiet) as move:
-        return inspect_dataset(dataset, mode, reading, move, keep=MAX_REPLAY_FRAMES if with_replay else 0)
+        return inspect_dataset(
+            dataset, mode, reading, move, keep=MAX_REPLAY_FRAMES if with_replay else 0, episode=episode
+        )
+
+
+def _check_episode(episode: int | None, dataset: "Dataset") -> None:
+    try:
+        if episode is not None:
+            dataset.episodes.one(episode)
+    except ValueError as error:
+        raise click.UsageError(f"--episode: {error}") from None
 
 
 def _say_what_was_found(
@@ -233,6 +257,16 @@ def _say_what_was_found(
     screen.print(summary(inspection, title, given))
     if lost is not None:
         screen.print(left_out(lost))
+
+
+def _read_verdict(root: Path) -> "tuple[Recording | None, str]":
+    """Read the verdict beside a dataset, or say why it cannot be read: who only wants the dataset needs none."""
+    from z2r.reading.verdict import read_verdict
+
+    try:
+        return read_verdict(root), ""
+    except DatasetError as error:
+        return None, f"verdict: it cannot be read. {error}"
 
 
 def _refuse_inside(root: Path, out: Path, option: str = "--out") -> None:
@@ -318,18 +352,16 @@ def _first(dataset: "Dataset", n_episodes: int | None) -> "Dataset":
         return dataset
     if n_episodes > (there := len(dataset.episodes)):
         more = f". To record {n_episodes}: z2r inspect --seed 0 --episodes {n_episodes}"
-        advice = more if dataset.root in SHIPPED.values() else ""
+        advice = more if dataset.root in (STANDIN, MESSY) else ""
         raise click.UsageError(f"--episodes: found {n_episodes} asked for, expected at most {there:,}{advice}")
     return dataset.first(n_episodes)
 
 
 def _write_metrics(
-    inspection: "Inspection", title: str, root: Path, out: Path, left_out: tuple[str, ...] | None
+    inspection: "Inspection", title: str, recording: "Recording | None", out: Path, left_out: tuple[str, ...] | None
 ) -> bytes:
-    from z2r.pusht.verdict import read_verdict
     from z2r.reading.inspection import metrics_json
 
-    recording = read_verdict(root)
     numbers = inspection.metrics(title, recording.episodes[0].seed if recording else None)
     if left_out is not None:
         episodes_read = range(len(inspection.episodes))
@@ -348,7 +380,7 @@ class _NoPandas(MetaPathFinder):
             raise ModuleNotFoundError(name)
 
 
-def _write_replay(inspection: "Inspection", path: Path, screen: "Console") -> None:
+def _write_replay(inspection: "Inspection", path: Path, screen: "Console", episode: int | None) -> None:
     from z2r.api import scene_of
 
     sys.meta_path.insert(0, _NoPandas())
@@ -358,9 +390,13 @@ def _write_replay(inspection: "Inspection", path: Path, screen: "Console") -> No
     screen.print(f"wrote {replay.path}: look at it with `rerun {replay.path}`", soft_wrap=True)
     episodes = inspection.episodes
     if replay.n_frames < episodes.n_frames:
-        shown = f"{replay.n_episodes:,} of {len(episodes):,} episodes"
+        shown = f"the first {replay.n_episodes:,} of {len(episodes):,} episodes"
+        if episode is not None:
+            shown = f"episode {episode}, one of {len(episodes):,}"
         frames = f"{replay.n_frames:,} of {episodes.n_frames:,} frames"
-        screen.print(f"it shows the first {shown} ({frames}); the others are left out", soft_wrap=True)
+        screen.print(f"it shows {shown} ({frames}); the others are left out", soft_wrap=True)
+    for line in replay.left_out:
+        screen.print(f"not in it: {line}", soft_wrap=True)
 
 
 @cli.command()
@@ -629,7 +665,7 @@ def _record_afresh(out: Path, wanted: _Wanted, *, quiet: bool) -> Path:
 @contextlib.contextmanager
 def _replacing_a_recording(root: Path) -> Iterator[None]:
     """Make way for a new recording; the one that is there comes back if no new one comes about."""
-    from z2r.pusht.verdict import read_verdict, verdict_path
+    from z2r.reading.verdict import read_verdict, verdict_path
 
     verdict = verdict_path(root)
     if read_verdict(root) is None:

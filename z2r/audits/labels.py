@@ -199,13 +199,6 @@ def done_where_an_episode_ends(labels: Labels) -> Iterator[Answer]:
         found = f"true in several frames up to the end of {labels.named(stays)}"
         mend = "Who stops at the first one leaves the others out"
         yield "note", Fault(DATA_DIR, DONE, found, expected, mend, labels.episodes(stays))
-    never = ~done.ever
-    if done.ever.any() and never.any():
-        found, mend = f"false in all frames of {labels.named(never)}", "Were these cut off?"
-        yield (
-            "note",
-            Fault(DATA_DIR, DONE, found, f"{expected}, as in the other episodes", mend, labels.episodes(never)),
-        )
     if not done.ever.any():
         yield "note", Fault(DATA_DIR, DONE, "false in every frame", "true where an episode ends, unless it was cut off")
 

@@ -115,13 +115,15 @@ def nothing_stalls(runs: Runs) -> Iterator[Answer]:
 
     What is pushed may do so. A joint that has a command may not, nor may all columns together.
     """
-    commanded = runs.claims.schema.features[ACTION].labels if ACTION in runs.steps else ()
+    commanded = runs.claims.schema.features[ACTION].dim_names if ACTION in runs.steps else ()
     for name, steps in runs.steps.items():
         moves = _continuous(runs, name)
         leaps = (steps.stall > _STALL) & (steps.stall_leap > _SHARE * runs.spans(name)) & moves
         leaps &= _quarter(steps.stall) < _STALL / 2
         together = (leaps | ~moves).all(axis=1, keepdims=True)
-        wrong: Bools = leaps & (together | np.isin(runs.claims.schema.features[name].labels, commanded))
+        wrong: Bools = leaps & together
+        if name == STATE:
+            wrong |= leaps & np.isin(runs.claims.schema.features[name].labels, commanded)
         if wrong.any():
             run, column = _worst(wrong, steps.stall)
             length, times = steps.stall_length[run, column], steps.stall[run, column]
@@ -147,7 +149,8 @@ def no_episode_is_noisier(runs: Runs) -> Iterator[Answer]:
         wrong = long & (size > _NOISE * usual) & (usual > 0) & (size > _TICK * runs.spans(name))
         wrong &= _quarter(_leap_ratio(runs, name)) < _SMOOTH
         wrong &= steps.repeated < _SOME_REPEATED * runs.n_frames[:, None]
-        wrong &= _continuous(runs, name) & (alternates | (rough > _ROUGH * _median(rough)))
+        trembles = (rough > _ROUGH * _median(rough)) & (name in (STATE, ACTION))  # what is pushed or dropped may do so
+        wrong &= _continuous(runs, name) & (alternates | trembles)
         if wrong.any():
             run, column = _worst(wrong, size / np.maximum(usual, 1e-300))
             found = f"noise of about {size[run, column]:.3g}{_so_in(wrong[run])}"
@@ -242,7 +245,8 @@ def columns_keep_their_limits(runs: Runs) -> Iterator[Answer]:
                     expected = f"at {'least' if sign < 0 else 'most'} {limit:.4g}, as the reading {reading.name} says"
                     mend = "Is the reading right? Then a unit, a calibration or a sensor is not"
                     place = f"{_dim(runs, name, column)} in {_named(runs, wrong)}"
-                    yield _fault(runs, place, wrong, found, expected, mend)
+                    fault = _fault(runs, place, wrong, found, expected, mend)
+                    yield fault if wrong.mean() <= _FEW else ("note", fault)  # beyond it everywhere, it is no limit
 
 
 @Check("clipped", "what follows or is followed goes as far as the other", "note").of(Runs)

@@ -18,6 +18,7 @@ from z2r.errors import Fault, count, some
 from z2r.format.episodes import DATA_DIR
 from z2r.format.rules import episodes_of
 from z2r.format.schema import ACTION, BOOKKEEPING, INFO_PATH, STATE, is_for_a_policy
+from z2r.reading.stored import episodes_named
 
 CHUNKS: Mapping[str, int] = MappingProxyType({"ACT": 100, "Diffusion": 64, "SmolVLA and π0": 50})
 """How many frames policies plan for, unless told otherwise (lerobot 0.6.1, `lerobot/policies/*/configuration_*.py`)."""
@@ -28,7 +29,7 @@ _IDLE_SECONDS, _IDLE_SHARE = 2.0, 0.2  # a standstill that is both longer than t
 _SHORT = 0.1  # of the median length
 
 
-@Check("policy-features", "there is an `action`, and something that is observed", "note").of(Claims)
+@Check("policy-features", "there is an `action`, and something that is observed", "warning").of(Claims)
 def policy_features(claims: Claims) -> Iterator[Answer]:
     """Policies of LeRobot learn `action` from what is called `observation.*`, and see nothing else."""
     names = [name for name in claims.schema.features if name not in BOOKKEEPING]
@@ -91,7 +92,8 @@ def short_episode(claims: Claims) -> Iterator[Answer]:
         shortest = int(length[short].min())
         found = f"{count(len(named), 'episode')} of {len(length):,}, the shortest of {count(shortest, 'frame')}"
         mend = f"Were they stopped by accident? To leave them out: {edit.delete_episodes(claims.root, named)}"
-        yield Fault(DATA_DIR, "episodes", found, f"about {usual:g} frames, as the others have", mend, named)
+        expected = f"about {usual:g} frames, as the others have"
+        yield Fault(DATA_DIR, episodes_named(named), found, expected, mend, named)
 
 
 @Check("chunk", "every episode is as long as what a policy plans ahead", "note").of(Claims)

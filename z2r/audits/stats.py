@@ -26,9 +26,9 @@ STATS = Check(
 )
 
 _EPS = 1e-8  # what LeRobot adds to a std
-# How far off what a policy sees is, of a std of 1, or of the range from -1 to 1: more than it should be; without any
-# statistics; so far that nothing is learnt.
-_FAR, _MISSING, _RUINED = 0.1, 1.0, 100.0
+# How far off what a policy sees is, of a std of 1, or of the range from -1 to 1: more than it should be; by a factor of
+# 2; so far that nothing is learnt.
+_FAR, _TWICE, _RUINED = 0.1, 1.0, 100.0
 
 _ROUGH = 5e-6  # of a variance, as a share of the largest square
 _FLOAT32_ROUNDING = 2.0**-24  # of a number, at most
@@ -55,9 +55,10 @@ def stats_of_the_dataset(runs: Runs) -> Iterator[Answer]:
     recompute = f"Recompute them: {edit.recompute_stats(runs.claims.root)}"
     for name, stats in _flat(runs).items():
         feature, seen = runs.claims.schema.features[name], is_for_a_policy(name)
-        for off, fault in _differences(name, feature, stored.get(name), _of_all(stats), float(stats.n.max())):
+        for off, rounded, fault in _differences(name, feature, stored.get(name), _of_all(stats), float(stats.n.max())):
             effect = fault.mend if seen else "No policy scales by it"
-            yield _severity(off, seen), fault._replace(mend=f"{effect}. {recompute}")
+            remedy = "LeRobot sums up in float32, which is too coarse so far from 0" if rounded else recompute
+            yield _severity(off, seen), fault._replace(mend=f"{effect}. {remedy}")
 
 
 @STATS.of(Runs)
@@ -138,13 +139,15 @@ def _tolerance(true: Statistics, longest: Floats | float) -> Statistics:
 
 def _differences(
     name: str, feature: Feature, stored: Mapping[str, Any] | None, true: Statistics, longest: float
-) -> Iterator[tuple[float, Fault]]:
-    """Yield the statistics that differ, how far off what a policy sees is, and what that is.
+) -> Iterator[tuple[float, bool, Fault]]:
+    """Yield the statistics that differ: how far off what a policy sees is, whether LeRobot rounds so, and what it sees.
 
-    Where a dimension moves, it counts too what LeRobot may have computed itself, if a policy sees it in another size.
+    What LeRobot may have computed itself differs only where a policy sees something that moves in half the size, or
+    less, or twice.
     """
     if not stored:
-        yield _MISSING, Fault(STATS_PATH, name, "no statistics", "some for each feature", "A policy sees it unscaled")
+        fault = Fault(STATS_PATH, name, "no statistics", "some for each feature", "A policy sees it unscaled")
+        yield _TWICE, False, fault
         return
     known = {kind: _numbers(stored.get(kind), right.size) for kind, right in true.items()}
     said = true | {kind: numbers for kind, numbers in known.items() if not isinstance(numbers, str)}
@@ -152,17 +155,18 @@ def _differences(
     for kind, right in true.items():
         place = f"{name}.{kind}"
         if isinstance(found := known[kind], str):
-            off = 0 if kind == "count" else _MISSING
-            yield off, Fault(STATS_PATH, place, found, f"{right.size} numbers", _WITHOUT[kind])
+            off = 0 if kind == "count" else _TWICE
+            yield off, False, Fault(STATS_PATH, place, found, f"{right.size} numbers", _WITHOUT[kind])
             continue
         far = _off(kind, said, true, moves)
-        wrong: Bools = ~(np.abs(found - right) <= tolerance[kind]) | (far > _FAR) & moves[: right.size]
+        beyond = ~(np.abs(found - right) <= tolerance[kind])
+        wrong: Bools = beyond | (far > _TWICE) & moves[: right.size]
         if wrong.any():
             column = int(np.where(wrong, far, -1).argmax())
             place += "" if kind == "count" else feature.at(column)
             number, expected = f"{found[column]:.6g}{and_more(wrong)}", f"{right[column]:.6g}, recomputed"
             effect = _effect(kind, column, said, true, far[column], moves)
-            yield far[column], Fault(STATS_PATH, place, number, expected, effect)
+            yield far[column], not beyond[column], Fault(STATS_PATH, place, number, expected, effect)
 
 
 def _numbers(stored: object, size: int) -> Floats | str:

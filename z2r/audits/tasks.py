@@ -1,5 +1,6 @@
 """Which task is an episode of, and on which side of a split? The texts, who has them, and the splits that are named."""
 
+import difflib
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
@@ -21,6 +22,9 @@ from z2r.format.tables import TASKS_PATH
 from z2r.reading.stored import episodes_named
 
 _IN_PLACE = "in the folder itself, where each episode then has one task"
+_MAX_COMPARED = 200  # texts, each with each
+_SLIP = 0.93  # alike
+_SLIP_OF_A_WORD = 0.75
 _MAX_TEXT = 60  # characters of a text that are shown
 
 
@@ -38,7 +42,7 @@ def task_text(claims: Claims) -> Iterator[Answer]:
         found = f"{text[empty[0]]!r}{and_more(len(empty))}"
         yield Fault(TASKS_PATH, f"task {number[empty[0]]}", found, "what the robot is to do", mend)
     same = _repeated(text)
-    alike = {row: first for row, first in _repeated(plain).items() if plain[row] and row not in same}
+    alike = {row: first for row, first in _repeated(plain).items() if row not in same}
     severities: tuple[tuple[Severity, dict[int, int]], ...] = (("warning", same), ("note", alike))
     for severity, repeated in severities:
         for row, first in [*repeated.items()][:1]:
@@ -46,6 +50,24 @@ def task_text(claims: Claims) -> Iterator[Answer]:
             found = f"{_shown(text[row])}{and_more(len(repeated))}"
             expected = f"another text than task {number[first]} has, {_shown(text[first])}"
             yield severity, Fault(TASKS_PATH, f"task {number[row]}", found, expected, mend)
+
+
+@Check("task-typo", "no text of a task is left from an example, or nearly that of another task", "note").of(Claims)
+def task_typo(claims: Claims) -> Iterator[Answer]:
+    """Is a text a placeholder, or so near to another one that it may be a slip of the pen?"""
+    tasks = claims.stored.tasks.value
+    if tasks is None:
+        return
+    for number, text in zip(tasks.number.tolist(), tasks.text, strict=True):
+        if re.fullmatch(r"\s*[<\[{].*[>\]}]\s*", text):
+            yield Fault(TASKS_PATH, f"task {number}", _shown(text), "what the robot is to do")
+    if len(tasks.text) > _MAX_COMPARED:
+        return
+    for row, text in enumerate(tasks.text):
+        for other in range(row):
+            if _is_a_slip(text, tasks.text[other]):
+                expected = f"the same as task {tasks.number[other]}, {_shown(tasks.text[other])}, or a text of its own"
+                yield Fault(TASKS_PATH, f"task {tasks.number[row]}", _shown(text), expected, "Is one of them misspelt?")
 
 
 @Check("task-unused", "every task is one that some frame has", "note").of(Runs)
@@ -105,11 +127,11 @@ def splits(claims: Claims) -> Iterator[Answer]:
     ranges: dict[str, slice] = {}
     for name, split in stated.items():
         ends = re.fullmatch(r"(\d{1,18}):(\d{1,18})", split, re.ASCII)
-        if ends and int(ends[1]) <= int(ends[2]) <= len(numbers):
-            ranges[name] = slice(int(ends[1]), int(ends[2]))
-        else:
+        if not ends or not int(ends[1]) <= int(ends[2]) <= len(numbers):
             expected = f"a range of episodes within 0:{len(numbers)}"
             yield Fault(INFO_PATH, f"splits.{name}", repr(split[:60]), expected)
+            continue
+        ranges[name] = slice(int(ends[1]), int(ends[2]))
     times = np.zeros(len(numbers), dtype=np.int64)
     for each in ranges.values():
         times[each] += 1
@@ -153,10 +175,23 @@ def _tasks_of_episodes(runs: Runs) -> Iterator[_Tasks]:
                 yield _Tasks(episode, named, seen[episode])
 
 
+def _is_a_slip(one: str, other: str) -> bool:
+    """Tell whether two texts differ in letters, and not in a number, a case, or a word of its own."""
+    plain = [" ".join(each.split()).casefold() for each in (one, other)]
+    if plain[0] == plain[1] or re.sub(r"\d+", "", plain[0]) == re.sub(r"\d+", "", plain[1]):
+        return False
+    words, others = (set(each.split()) for each in plain)
+    odd = sorted(words - others), sorted(others - words)
+    if [len(each) for each in odd] != [1, 1] or difflib.SequenceMatcher(None, plain[0], plain[1]).ratio() < _SLIP:
+        return False
+    return difflib.SequenceMatcher(None, odd[0][0], odd[1][0]).ratio() > _SLIP_OF_A_WORD
+
+
 def _repeated(texts: Sequence[str]) -> dict[int, int]:
-    """Find the rows whose text an earlier one has: which it is, by the row that has it again."""
+    """Find the rows whose text an earlier one has: which it is, by the row that has it again; none without a text."""
     first: dict[str, int] = {}
-    return {row: before for row, text in enumerate(texts) if (before := first.setdefault(text, row)) != row}
+    said = ((row, text) for row, text in enumerate(texts) if text.strip())
+    return {row: before for row, text in said if (before := first.setdefault(text, row)) != row}
 
 
 def _numbers(tasks: Iterable[_Tasks]) -> tuple[int, ...]:

@@ -1,16 +1,19 @@
 """Which datasets ship with the package, and which one does a name mean?
 
 A name may also be that of a folder, of anything in a dataset's folder, or of a dataset in a cache (`z2r.data.caches`).
-Those that ship were written by `z2r record`:
+Those that ship:
 
 - ``standin``: six demonstrations, all of which reached the target.
 - ``messy``: what people really record. Noise is twice as large, episodes end after 120 frames, and the seeds were
   chosen among the first thousand: some time out, some are very short, and one times out in tolerance without having
   held there, so that a reading calls it reached and the simulator does not call it a success. With the usual limit of
   300 frames, none of the first thousand seeds ends like that.
+- ``arm``: an SO-101, which is what many people have, with two cameras and two tasks. It places a cube, and lifts it;
+  three of thirteen episodes fail. Its success is stored nowhere, and no reading that ships says what counts as reached.
 
-Next to each is a verdict: what the simulator said of every episode, the command that recorded it, and the stack that
-it ran on (`z2r.pusht.verdict`).
+The first two, of PushT, were written by `z2r record`, and the third by ``record_arm.py`` beside it. Next to each is a
+verdict: what the simulator said of every episode, the command that recorded it, and the stack that it ran on
+(`z2r.reading.verdict`).
 """
 
 import difflib
@@ -23,7 +26,8 @@ from z2r.errors import DatasetError, Fault
 
 STANDIN = Path(__file__).parent / "standin"
 MESSY = Path(__file__).parent / "messy"
-SHIPPED = {"standin": STANDIN, "messy": MESSY}
+ARM = Path(__file__).parent / "arm"
+SHIPPED = {"standin": STANDIN, "messy": MESSY, "arm": ARM}
 READINGS_DIR = Path(__file__).parent / "readings"  # of robots that people have: what their columns mean
 REPLAY_STILL = Path(__file__).parent / "replay_still.png"
 

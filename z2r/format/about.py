@@ -6,7 +6,8 @@ unknown, and that is written as None. Where each stands is what lerobot 0.6.1 wr
 """
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -145,6 +146,16 @@ def cameras_of(schema: Schema) -> tuple[Camera, ...]:
     return tuple(_camera(name, feature) for name, feature in features if feature.dtype in _PICTURES)
 
 
+def short_names(names: Sequence[str]) -> list[str]:
+    """Return what to call cameras: the last part of what LeRobot calls them, if that tells them apart.
+
+    >>> short_names(["observation.images.front", "observation.image"])
+    ['front', 'image']
+    """
+    last = [name.removeprefix("observation.").removeprefix("images.") for name in names]
+    return last if len(set(last)) == len(names) else list(names)
+
+
 def axes_of(feature: Feature) -> dict[Any, int]:
     """Name the sizes of a picture, which is stored as (height, width, channels) or the other way round."""
     names = feature.names if isinstance(feature.names, list | tuple) else []
@@ -203,9 +214,22 @@ def _tasks(root: Path, numbers: Ints) -> tuple[Task, ...] | None:
 
 def _count_episodes(root: Path, wanted: frozenset[int]) -> Counter[str]:
     counted: Counter[str] = Counter()
-    for shard in shard_paths(root):
-        counted.update(task for number, tasks in tasks_of_episodes(shard) if number in wanted for task in tasks)
+    for number, tasks in _all_episodes(root):
+        counted.update(tasks if number in wanted else ())
     return counted
+
+
+def _all_episodes(root: Path) -> Iterator[tuple[int, set[str]]]:
+    return chain.from_iterable(tasks_of_episodes(shard) for shard in shard_paths(root))
+
+
+def read_task_texts(root: Path, numbers: Ints) -> list[str] | None:
+    """Return what the robot was told in each of some episodes; None where nobody can read it."""
+    try:
+        said = dict(_all_episodes(root))
+    except DatasetError:
+        return None
+    return ["; ".join(sorted(said.get(number, ()))) for number in numbers.tolist()]
 
 
 def tasks_of_episodes(shard: Path) -> Iterator[tuple[int, set[str]]]:

@@ -4,6 +4,7 @@ Needs PyAV, the extra ``video``.
 """
 
 import importlib.util
+import io
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, cast
@@ -13,9 +14,8 @@ from numpy.typing import NDArray
 
 from z2r.arrays import Array, Ints
 from z2r.errors import DatasetError, Fault, MissingExtraError
-from z2r.format.images import format_of
+from z2r.format.images import format_of, read_pictures
 from z2r.format.mp4 import VideoIndex
-from z2r.format.parquet import blobs, open_parquet
 from z2r.format.store import inside, open_mapped
 
 if TYPE_CHECKING:
@@ -46,6 +46,11 @@ class Small(NamedTuple):
     grain: float
 
 
+def can_decode() -> bool:
+    """Tell whether PyAV is there."""
+    return importlib.util.find_spec("av") is not None
+
+
 def check_can_decode() -> None:
     """Check that PyAV is there.
 
@@ -54,7 +59,7 @@ def check_can_decode() -> None:
     MissingExtraError
         If it is not.
     """
-    if importlib.util.find_spec("av") is None:
+    if not can_decode():
         raise MissingExtraError("decoding pictures needs PyAV. In a clone of the course: pip install '.[video]'")
 
 
@@ -114,21 +119,65 @@ def decode_images(root: Path, path: Path, feature: str, wanted: Ints) -> Iterato
     import av
     from av.video.reformatter import VideoReformatter
 
-    whole, first, reformatter = inside(root, path), 0, VideoReformatter()
-    for data, offsets in blobs(open_parquet(whole), feature, "bytes", whole):
-        for row in wanted[(wanted >= first) & (wanted < first + len(offsets) - 1)].tolist():
-            picture = data[offsets[row - first] : offsets[row - first + 1]].tobytes()
-            kind = format_of(picture)
-            if kind is None:
-                continue
-            decoder = cast(av.VideoCodecContext, av.CodecContext.create(_DECODERS.get(kind.kind, kind.kind), "r"))
-            decoder.options = {"max_pixels": str(_MAX_PIXELS)}
-            try:
-                for frame in (*decoder.decode(av.Packet(picture)), *decoder.decode(None)):
-                    yield row, _small(frame, reformatter)
-            except av.error.FFmpegError as error:
-                raise _undecodable(whole, f"{feature} in row {row}", error) from None
-        first += len(offsets) - 1
+    reformatter = VideoReformatter()
+    for row, picture in read_pictures(root, path, feature, wanted):
+        kind = format_of(picture)
+        if kind is None:
+            continue
+        decoder = cast(av.VideoCodecContext, av.CodecContext.create(_DECODERS.get(kind.kind, kind.kind), "r"))
+        decoder.options = {"max_pixels": str(_MAX_PIXELS)}
+        try:
+            for frame in (*decoder.decode(av.Packet(picture)), *decoder.decode(None)):
+                yield row, _small(frame, reformatter)
+        except av.error.FFmpegError as error:
+            raise _undecodable(inside(root, path), f"{feature} in row {row}", error) from None
+
+
+def cut_video(root: Path, path: Path, index: VideoIndex, first: int, last: int) -> tuple[bytes, float]:
+    """Cut pictures out of a video without decoding any, as an mp4 of its own.
+
+    Parameters
+    ----------
+    root, path : Path
+        The dataset, and the video relative to it.
+    index : VideoIndex
+        What the video says of itself.
+    first, last : int
+        The numbers of the first and the last picture in the order in which they are shown, from 0. What the first one
+        needs to be decoded comes along.
+
+    Returns
+    -------
+    contents : bytes
+        The mp4.
+    start : float
+        The time of its beginning, counted in the whole video [s].
+
+    Raises
+    ------
+    DatasetError
+        If the bytes are no video.
+    """
+    from av import FFmpegError
+    from av import open as open_container
+
+    whole, cut = inside(root, path), io.BytesIO()
+    try:
+        with open_mapped(whole) as bytes_of_it, open_container(bytes_of_it, format="mp4") as file:
+            stream = file.streams.video[0]
+            unit = float(stream.time_base or 1)  # s
+            key = int(np.flatnonzero(index.is_key[: first + 1])[-1]) if index.is_key[: first + 1].any() else 0
+            start = round(float(index.times[key]) / unit)
+            file.seek(start, stream=stream)
+            with open_container(cut, "w", format="mp4") as copy:
+                copied = copy.add_stream_from_template(stream)
+                for packet in _packets(file.demux(stream), index, unit, np.arange(key, last + 1)):
+                    packet.pts, packet.dts = (time and time - start for time in (packet.pts, packet.dts))
+                    packet.stream = copied
+                    copy.mux(packet)
+    except (FFmpegError, OSError) as error:
+        raise _undecodable(whole, "", error) from None
+    return cut.getvalue(), start * unit
 
 
 def _packets(packets: "Iterator[av.Packet]", index: VideoIndex, unit: float, wanted: Ints) -> "Iterator[av.Packet]":

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from z2r.arrays import Bools, Ints
-from z2r.errors import DatasetError, Fault
+from z2r.errors import DatasetError, Fault, some
 from z2r.format.store import find, inside
 
 EPISODES_DIR = Path("meta/episodes")
@@ -105,6 +105,32 @@ class EpisodeIndex:
     def only(self, kept: slice | Bools) -> "EpisodeIndex":
         """Return the index of some of the episodes; each keeps its number."""
         return EpisodeIndex(self.from_index[kept], self.to_index[kept], self.numbers[kept])
+
+    def one(self, number: int) -> "EpisodeIndex":
+        """Return the index of the one episode that the dataset calls so.
+
+        Raises
+        ------
+        ValueError
+            If there is none: the message lists those that there are.
+
+        Examples
+        --------
+        >>> EpisodeIndex(np.array([0, 3]), np.array([3, 8])).one(2)
+        Traceback (most recent call last):
+            ...
+        ValueError: found no episode 2, expected one of 0 to 1
+        """
+        if number in self.numbers:
+            return self.only(self.numbers == number)
+        low, high = int(self.numbers.min()), int(self.numbers.max())
+        all_there = high - low + 1 == len(self) > 1
+        choices = f"one of {low} to {high}" if all_there else f"one of {some(self.numbers.tolist())}"
+        raise ValueError(f"found no episode {number}, expected {choices}")
+
+    def moved(self, n_frames: int) -> "EpisodeIndex":
+        """Return the index of the same episodes where so many more frames come before them."""
+        return EpisodeIndex(self.from_index + n_frames, self.to_index + n_frames, self.numbers)
 
     def merged(self) -> "EpisodeIndex":
         """Return the index that a reader would have who does not know of episodes: all frames are one."""

@@ -6,6 +6,7 @@ its bytes whether it is the same as another.
 """
 
 import struct
+from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -82,6 +83,32 @@ def read_images(root: Path, path: Path, feature: str) -> Images:
         prints.append(samples.astype(np.uint64) @ _WEIGHTS + size.astype(np.uint64))
         n_rows += len(size)
     return Images(np.concatenate(sizes), np.concatenate(prints), formats)
+
+
+def read_pictures(root: Path, path: Path, feature: str, wanted: Ints) -> Iterator[tuple[int, bytes]]:
+    """Yield some rows of a data file, and the bytes of the picture that is stored in each: none where there is none.
+
+    Parameters
+    ----------
+    root, path : Path
+        The dataset, and the data file relative to it.
+    feature : str
+        Of dtype ``image``.
+    wanted : ndarray, int64[n]
+        Rows, ascending.
+
+    Raises
+    ------
+    DatasetError
+        If there is no such column, it is of another type, or its bytes cannot be read.
+    """
+    whole, first = inside(root, path), 0
+    for data, offsets in blobs(open_parquet(whole), feature, "bytes", whole):
+        if not len(wanted) or first > wanted[-1]:
+            return
+        for row in wanted[(wanted >= first) & (wanted < first + len(offsets) - 1)].tolist():
+            yield row, data[offsets[row - first] : offsets[row - first + 1]].tobytes()
+        first += len(offsets) - 1
 
 
 def format_of(picture: bytes) -> Format | None:

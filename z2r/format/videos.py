@@ -14,11 +14,12 @@ import pyarrow as pa
 
 from z2r.arrays import Floats, Ints
 from z2r.errors import DatasetError, Fault
+from z2r.format.episodes import EpisodeIndex, shard_paths
 from z2r.format.mp4 import VideoIndex, read_video_index
 from z2r.format.parquet import integers, open_parquet, read_columns, vectors
 from z2r.format.schema import INFO_PATH, Schema
 from z2r.format.store import inside, is_file
-from z2r.format.tables import Read, count_files
+from z2r.format.tables import Read, count_files, join_shards, read_shard, read_stated
 
 _EXAMPLE = "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"
 
@@ -40,6 +41,24 @@ class Spans(NamedTuple):
     file_number: Ints
     start: Floats
     stop: Floats
+
+
+class Film(NamedTuple):
+    """Which picture of a camera belongs to each of some frames.
+
+    Attributes
+    ----------
+    paths : tuple of Path
+        The videos that show them, relative to the dataset.
+    file_number : ndarray, int64[n_frames]
+        Which of them shows the frame.
+    time : ndarray, float64[n_frames]
+        When it shows it [s]: `from_timestamp` of the episode, and as long as the frame comes after its first one.
+    """
+
+    paths: tuple[Path, ...]
+    file_number: Ints
+    time: Floats
 
 
 def video_features(schema: Schema) -> list[str]:
@@ -69,6 +88,34 @@ def read_videos(root: Path, schema: Schema, video_path: str | None, shards: Sequ
         except DatasetError as error:
             faults.append(error.fault.relative_to(root))
     return Read(spans, tuple(dict.fromkeys(faults)))
+
+
+def read_films(root: Path, schema: Schema, episodes: EpisodeIndex) -> Read[dict[str, Film]]:
+    """Find the pictures of all frames of some episodes, of each camera of which the metadata says it all.
+
+    No video is opened, and there need not be one.
+
+    Parameters
+    ----------
+    root : Path
+        The folder.
+    schema : Schema
+        Which features are videos, and how many frames are a second.
+    episodes : EpisodeIndex
+        How long they are, and what the dataset calls them.
+    """
+    if not video_features(schema):
+        return Read({})
+    try:
+        shards = [path.relative_to(root) for path in shard_paths(root)]
+        table, _ = join_shards(schema, [read_shard(root / shard) for shard in shards])
+    except DatasetError as error:
+        return Read({}, (error.fault.relative_to(root),))
+    spans, faults = read_videos(root, schema, read_stated(root).value.video_path, shards)
+    order = np.argsort(table.number, kind="stable")
+    row = np.repeat(order[np.searchsorted(table.number[order], episodes.numbers, side="right") - 1], episodes.lengths)
+    after = (episodes.frame_numbers - np.repeat(episodes.from_index, episodes.lengths)) / schema.fps
+    return Read({name: _film(span, row, after) for name, span in spans.items()}, faults)
 
 
 def read_video(root: Path, path: Path) -> VideoIndex:
@@ -104,6 +151,11 @@ def _seconds(table: pa.Table, column: str, path: Path) -> Floats:
         row = int(known.argmin())
         raise DatasetError(Fault(path, f"{column} in row {row}", values[row], "a number of seconds"))
     return values
+
+
+def _film(span: Spans, row: Ints, after: Floats) -> Film:
+    needed, file_number = np.unique(span.file_number[row], return_inverse=True)
+    return Film(tuple(span.paths[number] for number in needed), file_number, span.start[row] + after)
 
 
 def _checked_template(video_path: str | None) -> str:

@@ -18,13 +18,13 @@ from z2r.format.rules import episodes_of
 from z2r.pusht.motion import STILL, motion_faults, motion_sums
 from z2r.pusht.overlap import LIMIT, overlap
 from z2r.pusht.task import ACTION_LIMIT, PUSHER_RADIUS, WALL
-from z2r.pusht.verdict import read_verdict, verdict_path
 from z2r.reading.angles import wrap_angle
 from z2r.reading.decode import Decoded
 from z2r.reading.poses import Pose
 from z2r.reading.reading import Reading
 from z2r.reading.scene import FROZEN, SceneSums
 from z2r.reading.success import frame_errors, in_tolerance
+from z2r.reading.verdict import read_verdict, verdict_path
 
 # m in one frame, beyond what the action asks for: at most 0.005 inside the episodes of the shipped data, and at least
 # 0.15 between them. Where the action does not say what moves, it takes a long leap.

@@ -97,10 +97,12 @@ class Inspection:
     action : tuple of DrivenColumn
         What each dimension of the action is, told from the data; empty where there is no action.
     shown : EpisodeIndex
-        The first episodes, as many as there are frames of in `kept`, and of a longer first one its beginning; counted
-        from the first frame in `kept`.
+        The first episodes, or the one that was asked for: as many as there are frames of in `kept`, and of a longer
+        first one its beginning; counted from the first frame in `kept`.
     kept : Columns
         Their frames, for who wants to draw them; none unless asked for.
+    kept_from : int
+        Which frame of the dataset is the first of them.
     about : About
         What the dataset says of itself.
     """
@@ -117,6 +119,7 @@ class Inspection:
     action: tuple[DrivenColumn, ...]
     shown: EpisodeIndex
     kept: Columns
+    kept_from: int
     about: About
 
     def __repr__(self) -> str:
@@ -218,6 +221,7 @@ def inspect_dataset(
     progress: Progress = no_progress,
     keep: int = 0,
     executor: Executor | None = None,
+    episode: int | None = None,
 ) -> Inspection:
     """Read every frame of a dataset once, and sum it up: `z2r.inspect_dataset`, with the reading handed down.
 
@@ -227,11 +231,14 @@ def inspect_dataset(
     ------
     DatasetError
         If a data file is missing, damaged, or not what the schema and the index say.
+    ValueError
+        If there is no such episode.
     """
     if mode:
         dataset, reading = mode.believe(dataset, reading)
     schema, missing = dataset.schema, reading.missing(dataset.schema) if reading else ()
-    first, windows = int(dataset.episodes.from_index[0]), sample_windows(dataset.episodes)
+    wanted = dataset.episodes if episode is None else dataset.episodes.one(episode)
+    first, windows = int(wanted.from_index[0]), sample_windows(dataset.episodes)
     fold = _Fold(dataset.episodes, first, first + keep, windows, sampled_features(schema))
     parts = map_files(dataset, list(schema.signals()), fold, progress, executor)
     sums = _merge([part.sums for part in parts])
@@ -250,8 +257,9 @@ def inspect_dataset(
         missing=missing,
         break_mode=mode.name if mode else None,
         action=infer_action(sample_of(_joined([part.sample for part in parts]), windows, schema), _units(fits, schema)),
-        shown=beginning(dataset.episodes, keep),
+        shown=beginning(wanted, keep),
         kept=_joined([part.kept for part in parts]) if keep else {},
+        kept_from=first,
         about=read_about(dataset.root, schema, dataset.episodes.numbers),
     )
 

@@ -18,12 +18,14 @@ from rich.text import Text
 
 from z2r.audits.edit import PROGRAM
 from z2r.audits.findings import Finding
-from z2r.check import Severity
+from z2r.check import SEVERITIES, Severity
 from z2r.errors import count, printable, short, some
-from z2r.format.about import About
+from z2r.format.about import About, short_names
 from z2r.format.schema import Schema
 from z2r.reading.breaks import BreakMode
 from z2r.reading.inspection import Inspection
+from z2r.reading.stored import StoredSuccess
+from z2r.reading.verdict import Recording, verdict_path
 from z2r.show import wallclock
 from z2r.show.listing import Listed
 
@@ -87,14 +89,15 @@ def _about(about: About) -> Table:
 
 
 def audit_report(audit: "Audit", title: str) -> RenderableType:
-    """Return the findings of an audit, and what nobody looked at, ready to print."""
+    """Return the findings of an audit, the worst first, and what nobody looked at, ready to print."""
     head = Text.assemble(
         (printable(title), "bold"),
         f"  {count(audit.n_episodes, 'episode')}, {count(audit.n_frames, 'frame')}"
         if audit.readable
         else "  cannot be read",
     )
-    findings = [part for finding in audit.findings for part in (Text(), _finding(finding))]
+    worst_first = sorted(audit.findings, key=lambda finding: SEVERITIES.index(finding.severity))
+    findings = [part for finding in worst_first for part in (Text(), _finding(finding))]
     left_out = [Text(f"{check}: {number:,} more like these", style="dim") for check, number in audit.more.items()]
     not_checked = [Text(f"not checked: {printable(what)}", style="dim") for what in audit.not_checked]
     return Group(head, *findings, Text(), *left_out, _verdict(audit), *not_checked)
@@ -138,7 +141,7 @@ def listing(found: Sequence[Listed]) -> RenderableType:
 def _listed(each: Listed) -> tuple[str, ...]:
     if each.fault:
         return each.name, each.where, "?", "?", "?", "", ""
-    cameras = [name.removeprefix("observation.").removeprefix("images.") for name in each.cameras]
+    cameras = short_names(each.cameras)
     counts = f"{each.n_episodes:,}", f"{each.n_frames:,}", f"{each.fps:g}"
     return each.name, each.where, *counts, short(each.robot_type or ""), some(cameras)
 
@@ -318,6 +321,23 @@ def _stored(inspection: Inspection) -> Iterator[Text]:
         yield Text(f"reached and stored: {inspection.agreement}", style="dim")
     if inspection.stored_note:
         yield Text(f"stored: {inspection.stored_note}", style="yellow")
+
+
+def graded(inspection: Inspection, recording: Recording) -> Text:
+    """Say which episodes the verdict beside a dataset calls a success, and whether the reading agrees."""
+    success = recording.success_of(inspection.episodes)
+    if success is None:
+        frames = sum(each.n_frames for each in recording.episodes)
+        of_others = f"{count(len(recording.episodes), 'episode')} with {count(frames, 'frame')}"
+        return Text(f"verdict: it is of others, {of_others}, and is not compared", style="yellow")
+    verdict = StoredSuccess(printable(verdict_path(inspection.dataset.root).name), success, success)
+    said = Text.assemble(
+        ("verdict: ", "bold"), (f"success in {verdict.says}", "bold green" if success.all() else "bold yellow")
+    )
+    if inspection.outcome:
+        agreement = verdict.agreement(inspection.outcome.reached, inspection.episodes)
+        said.append(f"\nreached and verdict: {agreement}", "dim")
+    return said
 
 
 def console(quiet: bool = False) -> Console:

@@ -22,7 +22,7 @@ from z2r.arrays import Progress, no_progress
 from z2r.errors import MissingExtraError
 from z2r.format.schema import ACTION, STATE
 from z2r.pusht.task import ACTION_LIMIT, ACTION_NAMES, CONTROL_HZ, DEMO_NOISE, MAX_STEPS, STATE_NAMES, TASK
-from z2r.pusht.verdict import Recording, Verdict, write_verdict
+from z2r.reading.verdict import Recording, Verdict, write_verdict
 
 _STACK = ("z2r", "mujoco", "lerobot", "numpy")
 
@@ -104,7 +104,8 @@ def record_episode(dataset: Any, env: Any, expert: Any, seed: int, noise: float)
         dataset.add_frame({STATE: observation, ACTION: action, "task": TASK})
         observation, done = (result := env.step(action)).observation, result.done
     dataset.save_episode()
-    return Verdict(seed, env.steps, env.success, round(env.pos_err, 9), round(env.ang_err, 9))
+    details = {"pos_err": round(env.pos_err, 9), "ang_err": round(env.ang_err, 9)}
+    return Verdict(env.steps, env.success, seed, details)
 
 
 @contextlib.contextmanager

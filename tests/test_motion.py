@@ -1,0 +1,140 @@
+"""Are faults of a recording named, and is what is healthy left alone? Arms that are made up, each fault in many ways.
+
+The faults and the healthy shapes were invented by who had not seen the checks (`arm_damages.py`, `healthy.py`).
+"""
+
+import msgspec
+import numpy as np
+import pytest
+from arm_bench import NAMED, try_damage
+from arm_damages import KINDS, write_case
+from healthy import HEALTHY, write_healthy
+from hypothesis import given
+from hypothesis import strategies as st
+from robots import write_arm
+
+import z2r
+from z2r.audits.following import Pair, fold_following
+from z2r.audits.steps import run_steps
+from z2r.reading.reading import ColumnMeaning
+
+SILENT: dict[str, set[str]] = {
+    "state-at-half-rate": {"place"},
+    "jitter": {"all"},
+    "gripper-0-to-1-both": {"half", "one"},
+    "whole-numbers": {"all", "one"},
+    "gripper-metres": {"one"},
+    "grippers-exchanged": {"all"},
+    "horn-slipped": {"place"},
+    "zero-action": {"place"},
+    "intermittent": {"all"},
+    "small-spikes": {"all", "place"},
+    "spike-action": {"all"},
+    "neighbour-read": {"all"},
+    "trembling": {"place"},
+    "clipped-state": {"half"},
+    "clipped-action": {"half"},
+    "backlash": {"half", "one"},
+    "normalised-state": {"one"},
+    "key-stuck": {"place"},
+    "normalised-clipped": {"half"},
+    "copy-trimmed": {"one"},
+    "copy-shifted": {"one"},
+    "copy-resampled": {"one"},
+    "task-of-one": {"one"},
+    "splits-empty": {"all"},
+    "done-never": {"half", "one"},  # as in an episode that was cut off
+    "success-without-reward": {"one"},
+}
+
+# Of these, the first is what the check is about; the others it is not silent about either.
+MADE_TO_FAIL = {
+    "late": ("action-late", "half"),
+    "unit": ("joint-rad-state", "all"),
+    "joint-order": ("arms-exchanged-action", "all"),
+    "follow": ("action-of-the-next", "one"),
+    "command": ("action-zero", "half"),
+    "discontinuity": ("joined", "one"),
+    "stall": ("stall", "place"),
+    "noise": ("noisy-sensor", "one"),
+    "repeat": ("frames-doubled", "one"),
+    "idle-episode": ("nobody-there", "one"),
+    "elsewhere": ("sign-both", "one"),
+    "clipped": ("clipped-state", "all"),
+    "near-twin": ("copy-with-noise", "one"),
+    "unit-quaternion": ("quaternion-norm", "all"),
+    "task-typo": ("task-placeholder", "all"),
+    "limits": ("zero-gripper", "one"),  # under a reading, below
+}
+LACKS_A_FEATURE = ("other-features", "no-state", "no-action")  # which is said, and true
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_a_fault_is_named_where_anybody_could_know(name):
+    variants = {variant for variant in KINDS[name].plant if not KINDS[name].why_not(variant)}
+    verdicts = {variant: try_damage(name, variant, 0).verdict for variant in variants}
+    assert {variant for variant, verdict in verdicts.items() if verdict != NAMED} == SILENT.get(name, set())
+
+
+@pytest.mark.parametrize("name", HEALTHY)
+def test_nothing_is_wrong_with_what_is_healthy(name, tmp_path):
+    write_healthy(name, tmp_path / "dataset")
+    wrong = [each for each in z2r.audit(tmp_path / "dataset").findings if each.severity != "note"]
+    assert {each.check for each in wrong} == ({"policy-features"} if name in LACKS_A_FEATURE else set()), wrong
+
+
+@pytest.mark.parametrize(("check", "case"), [each for each in MADE_TO_FAIL.items() if each[0] != "limits"])
+def test_a_check_speaks_of_the_fault_that_it_is_about(check, case, tmp_path):
+    planted = write_case(*case, tmp_path / "dataset")
+    said = [finding for finding in z2r.audit(tmp_path / "dataset").findings if finding.check == check]
+    assert any(planted.is_named_by(str(finding)) for finding in said), said
+
+
+def test_a_column_beyond_its_declared_limits_is_named(tmp_path):
+    dataset, reading = write_arm(tmp_path)  # which declares 0 to 100 of the gripper, and it comes to 90
+    assert not [finding for finding in z2r.audit(dataset.root, reading=reading).findings if finding.check == "limits"]
+    narrow = msgspec.structs.replace(reading, columns={"gripper.pos": ColumnMeaning(unit="percent", low=30, high=95)})
+    (found,) = [each for each in z2r.audit(dataset.root, reading=narrow).findings if each.check == "limits"]
+    low = dataset.read("observation.state")[:, 5].min()
+    assert f"{low:.4g} percent" in found.found
+    assert "at least 30" in found.expected
+
+
+def lagging(n: int, lag: int, factor: float, noise: float, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    """A command of smooth noise, and a column that is there `lag` frames later."""
+    command = np.convolve(rng.normal(size=n + 60), np.hanning(25), "same")
+    state = np.roll(command, lag) / factor + rng.normal(0, noise, len(command))
+    return command[30 : 30 + n], state[30 : 30 + n]
+
+
+@given(
+    lag=st.integers(-8, 15),
+    factor=st.sampled_from([1.0, -1.0, 180 / np.pi, 0.01, 1.25]),
+    lengths=st.lists(st.integers(80, 200), min_size=1, max_size=5),
+    seed=st.integers(0, 2**32 - 1),
+)
+def test_lag_and_factor_of_a_joint_are_those_that_it_was_made_with(lag, factor, lengths, seed):
+    rng = np.random.default_rng(seed)
+    parts = [lagging(n, lag, factor, 0.01 / abs(factor), rng) for n in lengths]
+    action, state = (np.concatenate(each)[:, None] for each in zip(*parts, strict=True))
+    starts = np.cumsum([0, *lengths])[:-1]
+    pair = Pair(0, "observation.state", 0, "action", "observation.state")
+    found = fold_following([pair], {"action": action, "observation.state": state}, starts)
+    assert found.lag[:, 0] == pytest.approx(lag, abs=1)
+    assert found.factor[:, 0] == pytest.approx(factor, rel=0.05)
+
+
+def test_runs_are_summed_up_as_a_loop_over_frames_does():
+    rng = np.random.default_rng(5)
+    values = np.round(np.cumsum(rng.normal(size=(300, 2)), axis=0), 1).astype(np.float32)
+    starts = np.array([0, 90, 91, 200])
+    found = run_steps(values, starts, fps=10)
+    for run, part in enumerate(np.split(values.astype(np.float64), starts[1:])):
+        steps = np.abs(np.diff(part, axis=0))
+        assert found.path[run] == pytest.approx(steps.sum(axis=0))
+        assert found.moves[run].tolist() == (steps > 0).sum(axis=0).tolist()
+        if len(part) > 1:
+            assert found.largest[run] == pytest.approx(steps.max(axis=0))
+            assert found.at[run].tolist() == (1 + steps.argmax(axis=0)).tolist()
+        third = np.abs(np.diff(part, n=3, axis=0))
+        assert found.noise[run] == pytest.approx(third.sum(axis=0) if len(third) else np.zeros(2))

@@ -1,0 +1,161 @@
+"""What did the robot see? The pictures of its cameras, as they lie on disk: none is decoded.
+
+A video goes into the recording as a whole, and every frame refers to its own moment of it. Where all videos together
+are too large, they are cut to what is shown, which PyAV does without decoding either.
+"""
+
+from collections.abc import Iterator
+from itertools import islice
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import rerun as rr
+
+from z2r.arrays import Floats, Ints
+from z2r.errors import DatasetError, Fault
+from z2r.format.about import cameras_of, short_names
+from z2r.format.dataset import Dataset
+from z2r.format.decoding import can_decode, cut_video
+from z2r.format.episodes import EpisodeIndex
+from z2r.format.images import format_of, read_pictures
+from z2r.format.mp4 import VideoIndex
+from z2r.format.store import inside, read_bytes
+from z2r.format.videos import read_films, read_video
+from z2r.show.recorder import Recorder
+
+MAX_BYTES = 200 * 2**20
+"""Of all pictures in a recording; LeRobot begins a new video at this size."""
+
+_MAX_IMAGES = 64  # at a time
+_LESS = "Show one episode of it: z2r inspect --episode N. With PyAV, the extra video, it is cut to that"
+
+
+class Seen(NamedTuple):
+    """What of the cameras is in a recording.
+
+    Attributes
+    ----------
+    cameras : dict of str to str
+        Where the pictures of each camera are, by what to call it.
+    left_out : tuple of str
+        What is not there, and why.
+    """
+
+    cameras: dict[str, str]
+    left_out: tuple[str, ...]
+
+
+class _Clip(NamedTuple):
+    """A video, which of the frames that are shown are in it, and when it shows them [s]."""
+
+    camera: str
+    path: Path
+    video: VideoIndex
+    frames: Ints
+    time: Floats
+
+    @property
+    def ends(self) -> tuple[int, int]:
+        """The numbers of the first and the last picture that is needed."""
+        at = np.searchsorted(self.video.times, [self.time.min(), self.time.max()], side="right") - 1
+        first, last = at.clip(min=0).tolist()
+        return first, last
+
+
+def send_cameras(recorder: Recorder, dataset: Dataset, episodes: EpisodeIndex) -> Seen:
+    """Send the pictures of all frames of some episodes, those of each camera as `cameras/<name>`.
+
+    Parameters
+    ----------
+    recorder : Recorder
+        Where they go.
+    dataset : Dataset
+        Where they are.
+    episodes : EpisodeIndex
+        What is shown, counted over the whole dataset.
+    """
+    names = [camera.name for camera in cameras_of(dataset.schema)]
+    labels = dict(zip(names, short_names(names), strict=True))
+    entities = {name: f"cameras/{rr.escape_entity_path_part(label)}" for name, label in labels.items()}
+    clips, lost, faults = _find_clips(dataset, episodes)
+    sent, left = set(), MAX_BYTES
+    cut = sum(int(clip.video.sizes.sum()) for clip in clips) > MAX_BYTES and can_decode()
+    for clip in clips:
+        try:
+            left -= _send_video(recorder, dataset.root, clip, entities[clip.camera], cut=cut, most=left)
+            sent.add(clip.camera)
+        except DatasetError as error:
+            faults.append(error.fault.relative_to(dataset.root))
+            lost.append((clip.camera, clip.frames))
+    for name in (name for name in names if dataset.schema.features[name].dtype == "image"):
+        try:
+            left -= _send_images(recorder, dataset, name, entities[name], episodes.frame_numbers, left)
+            sent.add(name)
+        except DatasetError as error:
+            faults.append(error.fault.relative_to(dataset.root))
+    for name, frames in lost:
+        if name in sent:  # or what was seen last would stay
+            recorder.clear(entities[name], frames[(np.diff(frames, prepend=-1) > 1)])
+    return Seen(
+        {labels[name]: entities[name] for name in names if name in sent}, tuple(map(str, dict.fromkeys(faults)))
+    )
+
+
+def _find_clips(dataset: Dataset, episodes: EpisodeIndex) -> tuple[list[_Clip], list[tuple[str, Ints]], list[Fault]]:
+    """Find the videos that are needed; of those that cannot be read, the frames that nobody sees, and why."""
+    films, faults = read_films(dataset.root, dataset.schema, episodes)
+    clips, lost, found = [], [], list(faults)
+    for camera, film in films.items():
+        for number, path in enumerate(film.paths):
+            frames = np.flatnonzero(film.file_number == number)
+            try:
+                video = read_video(dataset.root, path)
+                clips.append(_Clip(camera, path, video, frames, film.time[frames]))
+            except DatasetError as error:
+                found.append(error.fault.relative_to(dataset.root))
+                lost.append((camera, frames))
+    return clips, lost, found
+
+
+def _send_video(recorder: Recorder, root: Path, clip: _Clip, entity: str, *, cut: bool, most: int) -> int:
+    """Send a video, or what is needed of it, and for each frame when that shows it; return how many bytes it takes."""
+    first, last = clip.ends
+    size = int(clip.video.sizes[first : last + 1].sum() if cut else clip.video.sizes.sum())
+    if size > most:
+        raise DatasetError(Fault(root / clip.path, "", f"{size:,} bytes to show", f"at most {most:,}", _LESS))
+    contents, begins = (
+        cut_video(root, clip.path, clip.video, first, last)
+        if cut
+        else (read_bytes(inside(root, clip.path), 2 * MAX_BYTES, "a video"), 0.0)
+    )
+    part = f"{entity}/{rr.escape_entity_path_part('-'.join(clip.path.with_suffix('').parts[-2:]))}"
+    recorder.static(part, rr.AssetVideo(contents=contents, media_type="video/mp4"))
+    videos = rr.VideoFrameReference.columns(video_reference=[part] * len(clip.frames))
+    times = rr.VideoFrameReference.columns_nanos(np.rint(1e9 * (clip.time - begins)).astype(np.int64))
+    recorder.columns(entity, rr.ComponentColumnList([*times, *videos]), clip.frames)
+    return len(contents)
+
+
+def _send_images(recorder: Recorder, dataset: Dataset, name: str, entity: str, frames: Ints, most: int) -> int:
+    """Send the images of a feature as they are encoded; return how many bytes they take."""
+    size, pictures = 0, _pictures(dataset, name, frames)
+    while some := list(islice(pictures, _MAX_IMAGES)):
+        size += sum(len(picture) for _, picture, _ in some)
+        if size > most:
+            found = f"more than {most:,} bytes to show"
+            raise DatasetError(Fault(dataset.files[0].path, name, found, f"at most {most:,}", _LESS))
+        at, blobs, kinds = zip(*some, strict=True)
+        recorder.columns(entity, rr.EncodedImage.columns(blob=blobs, media_type=kinds), np.array(at))
+    return size
+
+
+def _pictures(dataset: Dataset, name: str, frames: Ints) -> Iterator[tuple[int, bytes, str]]:
+    """Yield the place of each frame that has a picture, its bytes, and their media type."""
+    for file in dataset.files:
+        places = np.flatnonzero((frames >= file.from_index) & (frames < file.to_index))
+        rows = frames[places] - file.from_index
+        pictures = read_pictures(dataset.root, file.path.relative_to(dataset.root), name, rows) if len(rows) else ()
+        for place, (_, picture) in zip(places.tolist(), pictures, strict=False):
+            if kind := format_of(picture):
+                yield place, picture, f"image/{kind.kind}"
