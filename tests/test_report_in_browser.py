@@ -482,6 +482,7 @@ def test_a_trace_is_shaded_where_its_goal_holds(goal, open_report, tmp_path):
         page.keyboard.press("Shift+ArrowRight")
         page.keyboard.press("ArrowRight")
         expect(page.locator(".goal .value")).not_to_have_text("")
+        page.evaluate("() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn)))")
         dot, shade = (
             page.locator(f".goal {part}").evaluate(
                 "(part) => ['cy', 'y', 'height'].map((name) => parseFloat(part.getAttribute(name)))"
