@@ -122,9 +122,8 @@ def write_video(
         for pictures in episodes:
             for number, picture in enumerate(pictures):
                 frame = av.VideoFrame.from_ndarray(picture)
-                frame.pict_type = (
-                    av.video.frame.PictureType.NONE if number or not forced else av.video.frame.PictureType.I
-                )
+                is_first = forced and number == 0
+                frame.pict_type = av.video.frame.PictureType.I if is_first else av.video.frame.PictureType.NONE
                 file.mux(stream.encode(frame))
         file.mux(stream.encode())
 

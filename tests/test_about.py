@@ -89,7 +89,7 @@ def test_the_terminal_shows_the_five_tasks_of_most_episodes(told):
 def test_the_page_shows_it_escaped(told, tmp_path):
     page = write(z2r.load(told), tmp_path)
     assert "<dt>robot</dt><dd>so101_follower</dd>" in page
-    assert r"<dt>tasks</dt><dd>task 2 (7 episodes); &lt;b&gt;[red]pick\x1b[2J (3 episodes); " in page
+    assert r"<dt>tasks</dt><dd>task 2 (7 episodes)</dd><dd>&lt;b&gt;[red]pick\x1b[2J (3 episodes)</dd>" in page
 
 
 def test_the_recording_holds_it_as_plain_text(told, tmp_path):
@@ -118,7 +118,7 @@ def test_cameras_and_text_are_shown_with_what_is_known_of_them(standin_copy, tmp
     assert f"cameras  {FRONT}, 480 x 640, 30 fps, av1" in said
     assert f"         {WRIST}, 96 x 128 " in said
     assert f"text     {NOTE}" in said
-    assert f"<dt>cameras</dt><dd>{FRONT}, 480 x 640, 30 fps, av1; {WRIST}, 96 x 128</dd>" in write(
+    assert f"<dt>cameras</dt><dd>{FRONT}, 480 x 640, 30 fps, av1</dd><dd>{WRIST}, 96 x 128</dd>" in write(
         inspection.dataset, tmp_path
     )
     assert inspection.metrics("", None)["cameras"][1] == {

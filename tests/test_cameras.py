@@ -21,7 +21,6 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from arm_bench import NAMED, try_damage
 from damages import (
     DATA,
     EPISODES,
@@ -717,41 +716,42 @@ def snow(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
 def flashes(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
     """Some pictures that a decoder could not make sense of."""
     pictures = enumerate(film(camera, episode, states))
-    return (
-        0 * picture + np.uint8([0, 135, 0]) if frame in (20, 21, 40, 41) else picture for frame, picture in pictures
-    )
+    green = np.zeros((*SIZE, 3), np.uint8) + np.uint8([0, 135, 0])
+    return (green if frame in (20, 21, 40, 41) else picture for frame, picture in pictures)
 
 
-TURNED, LEFT = changed(lambda picture: picture[::-1, ::-1]), SIZE[1] // 2
-COVERED = changed(lambda picture: np.where(np.arange(SIZE[1])[None, :, None] < LEFT, 8, picture))
-ONE, ODD = r"in episode 3: found pictures ", r"in episodes 1, 3, 5, 7: found pictures "
-THAN_EVEN = ", compared with those of episodes 0, 2, 4, 6, expected"
+def thrice(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
+    """A camera that gives a third of the pictures."""
+    pictures = list(film(camera, episode, states))
+    return (pictures[frame // 3 * 3] for frame in range(len(pictures)))
+
+
+TURNED = changed(lambda picture: picture[::-1, ::-1])
+COVERED = changed(lambda picture: np.where(np.arange(SIZE[0])[:, None, None] < SIZE[0] // 3, 8, picture))
+ONE, ODD = r"in episode 3: found pictures ", r"in episodes 1, 3, 5: found pictures "
+THAN_EVEN = ", compared with those of episodes 0, 2, 4, 6, 7, expected"
+GREY = changed(lambda picture: picture.mean(axis=2, keepdims=True).repeat(3, 2))
 UNLIKE = {
     "upside down": (only(TURNED, 3), ONE + "upside down, compared with those of episodes 0, 1, 2, 4"),
     "mirrored": (only(changed(lambda picture: picture[:, ::-1]), 3), ONE + "mirrored"),
     "blue for red": (only(changed(lambda picture: picture[..., ::-1]), 3), ONE + "with red and blue exchanged"),
-    "grey": (
-        only(changed(lambda picture: picture.mean(axis=2, keepdims=True).repeat(3, 2)), 3),
-        ONE + "without colour",
-    ),
+    "grey": (only(GREY, 3), ONE + "without colour"),
     "blurred": (only(changed(out_of_focus), 3), ONE + r"blurred, with \d+% of the sharpness"),
-    "covered": (only(COVERED, 3), ONE + r"black in 5\d% of the picture"),
+    "covered": (only(COVERED, 3), ONE + r"black in 3\d% of the picture"),
 }
 SORTS = {
-    "some blurred": (only(changed(out_of_focus), 1, 3, 5, 7), ODD + r"blurred.*" + THAN_EVEN),
-    "some covered": (only(COVERED, 0, 1, 2, 4, 6), "in episodes 0, 1, 2, 4, 6: found pictures black in 5"),
+    "some upside down": (only(TURNED, 1, 3, 5), ODD + "upside down" + THAN_EVEN),
+    "some blurred": (only(changed(out_of_focus), 1, 3, 5), ODD + r"blurred.*" + THAN_EVEN),
+    "some covered": (only(COVERED, 0, 1, 2, 4, 6), "in episodes 0, 1, 2, 4, 6: found pictures black in 3"),
     "moved": (only(changed(lambda picture: np.roll(picture, 20, 1)), 3), ONE + "of something else, compared with"),
 }
 SEEN = {
     **{kind: (wrong, "camera-unlike", "warning", says) for kind, (wrong, says) in UNLIKE.items()},
     **{kind: (wrong, "camera-unlike", "note", says) for kind, (wrong, says) in SORTS.items()},
     "noise in some": (only(snow, 1, 2, 3, 4), "camera-flat", "warning", "in episode 1: found noise.*and 3 more"),
-    "flashes": (
-        only(flashes, 3),
-        "camera-flat",
-        "warning",
-        r"in episode 3: found one colour in 2 of .*, first in frame 20",
-    ),
+    "flashes": (only(flashes, 3), "camera-flat", "warning", "in episode 3: found one colour in 2 of .* frame 20"),
+    "slow in an episode": (only(thrice, 3), "camera-frozen", "warning", "in episode 3: found the picture of before"),
+    "always slow": (thrice, "camera-frozen", "note", "in episode 0: found the picture of before again"),
     "black for an episode": (only(black, 3), "camera-flat", "warning", r"in episode 3: found one colour, black,"),
     "always black": (black, "camera-flat", "warning", r"in episode 0: found one colour, black \(and 7 more"),
     "always one colour": (gray, "camera-flat", "warning", "in episode 0: found one colour, of a brightness of 88"),
@@ -798,15 +798,10 @@ def test_what_decoded_pictures_show_is_named(kind, root):
     wrong, check, severity, says = SEEN[kind]
     shoot(root, SIDE, wrong)
     audit = z2r.audit(root, pictures=True)
-    [finding] = [each for each in of_cameras(audit) if each.check == check]
-    assert finding.severity == severity, said(audit)
+    [finding] = of_cameras(audit)
+    assert (finding.check, finding.severity) == (check, severity), said(audit)
     assert re.search(f"{SIDE} {says}", str(finding)), said(audit)
     assert "--pictures" not in str(finding) + "".join(audit.not_checked)
-
-
-@pytest.mark.parametrize("kind", ["slow-camera", "upside-down", "half-covered", "cameras-exchanged", "no-signal"])
-def test_what_is_wrong_with_a_film_of_a_made_up_arm_is_named(kind):
-    assert try_damage(kind, "one", 0).verdict == NAMED
 
 
 def test_two_cameras_that_are_exchanged_in_an_episode_are_named(root):
@@ -845,9 +840,9 @@ def test_the_episodes_are_listed(wrong, episodes, root):
     ("kind", "episodes"),
     [
         ("missing", range(8)),
-        ("shorter", (6, 7)),
-        ("a span that is too long", (7,)),
-        ("spans beside the pictures", (2,)),
+        ("shorter", [6, 7]),
+        ("a span that is too long", [7]),
+        ("spans beside the pictures", [2]),
     ],
 )
 def test_the_episodes_of_an_error_are_not_kept(kind, episodes, root):
@@ -967,13 +962,7 @@ def test_all_pictures_of_a_long_group_are_decoded(tmp_path):
     decoded = dict(decoding.decode_video(tmp_path, Path("a.mp4"), index, wanted))
     assert sorted(decoded) == wanted.tolist()
     for number, small in decoded.items():
-        assert (
-            abs(
-                small.colours.mean(axis=(0, 1)) @ [0.299, 0.587, 0.114]
-                - (PICTURES[0][number] @ [0.299, 0.587, 0.114]).mean()
-            )
-            < 3
-        )
+        assert np.abs(small.colours.mean(axis=(0, 1)) - PICTURES[0][number].mean(axis=(0, 1))).max() < 3
 
 
 def test_progress_is_told_of_files_and_of_episodes(filmed):

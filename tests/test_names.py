@@ -38,7 +38,7 @@ def test_they_are_shown_in_the_terminal_on_the_page_and_in_the_recording(names, 
     rows = [line.split() for line in printed(inspection).splitlines()]
     assert [row[-3] for row in rows if len(row) in (3, 5) and row[-3] in expected] == expected
     page = write(inspection.dataset, tmp_path)
-    assert all(f"<tr><td>{name}</td>" in page for name in expected)
+    assert all(f"<tr><td>{name} <span>" in page for name in expected)
     write_replay(inspection, tmp_path / "a.rrd")
     [(_, shown)] = read_rows(tmp_path / "a.rrd", "frame")["/observation/state", "SeriesLines:names"]
     assert shown == expected

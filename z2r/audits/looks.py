@@ -37,9 +37,9 @@ _SAME_VIEW, _SAME_CELL = 1.5, 16  # what cells differ by, and one of them, when 
 _DARK = 24
 _NO_SIGNAL = 1.2  # of grain: white noise has 1.41, and one pixel of a picture of something is much like the next
 
-_AGAIN = 4  # what a cell changes by, mostly, when the same picture is encoded again
-_SLOW = 0.2  # of the robot's way
-_FITFUL = 0.4  # of the steps while it moves: between pictures that stay and others that change
+_HARDLY = 0.25  # of a large change while the robot moves
+_SLOW, _TURNS = 0.2, 8  # of the robot's way, and steps between two in which it moves
+_FITFUL = 0.5  # of these steps: from little change to more, or back
 
 _MOSTLY = 0.5  # of the robot's way
 _TINY = 1e-9  # of it
@@ -178,11 +178,10 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, way_of
         blank[row] = not flat[row] and glance.spread.min() <= _ONE_COLOUR
         if moves[row] and row in way_of and not flat[row]:
             way = np.diff(np.interp(glance.frame, *way_of[row]))
-            rests = glance.peak <= _AGAIN
             share[row] = _longest(way, glance.peak <= _NOISE) / max(way.sum(), _TINY)
             still[row] = share[row] >= _MOSTLY
-            again[row] = (way * rests).sum() / max(way.sum(), _TINY)
-            slow[row] = again[row] >= _SLOW and np.diff(rests[way >= way.mean() / 2]).mean() >= _FITFUL
+            again[row], repeats = _repeats(way, glance.peak)
+            slow[row] = repeats and not still[row]
             if not still[row] and not blank[row]:
                 seconds = float(np.median(np.diff(glance.frame))) / fps
                 steps[int(number[row])] = Steps(glance.change, way, seconds)
@@ -199,6 +198,18 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, way_of
         mend="",
         fits=fits,
     )
+
+
+def _repeats(way: Floats, peak: Floats) -> tuple[float, bool]:
+    """Say for which share of the robot's way the picture hardly changes, and whether that comes and goes all the time.
+
+    A robot that goes out of the picture comes back later; a camera that is slow shows each picture some times.
+    """
+    moving = way >= way.mean() / 2
+    little = peak <= _HARDLY * np.quantile(peak[moving], 0.9)
+    share = (way * little).sum() / max(way.sum(), _TINY)
+    turns = np.diff(little)[moving[1:] & moving[:-1]]
+    return float(share), bool(share >= _SLOW and len(turns) >= _TURNS and turns.mean() >= _FITFUL)
 
 
 def _longest(way: Floats, still: Bools) -> float:

@@ -16,10 +16,9 @@ _MIN_STEPS = 12  # from picture to picture: fewer say little about how two thing
 _DELAYS = [tenths / 10 for tenths in range(-4, 5)]  # s: a camera may well be late by so much, always alike
 _SHIFTS = [sign * quarters / 4 for quarters in range(2, 21) for sign in (-1, 1)]  # s: that is no delay
 _RESTS = 1e-9  # of what moves
-_FITS = 0.5  # correlation: what is usual must be more
-_SPREADS = 6  # below what is usual, an episode is odd, and
-_LESS, _FAR_LESS = 0.35, 0.5  # so far below it: where it fits with something else, and where it does not
-_AS_WELL = 0.15  # below what is usual: it fits
+_FITS, _FITS_NOT = 0.5, 0.25  # correlation: what is usual must be more; what is less fits nothing
+_LESS, _SPREADS = 0.35, 6  # below what is usual, in correlation and in spreads of it: then there must be a reason
+_AS_WELL = 0.15  # below what is usual: with something else it fits
 
 
 class Steps(NamedTuple):
@@ -81,7 +80,7 @@ def fit(episodes: Mapping[int, Steps]) -> Fit:
             better, where = max(_others(number, episodes, delay))
             if better >= usual - _AS_WELL:
                 astray[number] = _said(fits, better, where)
-            elif fits < usual - _FAR_LESS:
+            elif fits < _FITS_NOT:
                 astray[number] = _said(fits)
     return Fit(usual, astray)
 

@@ -13,7 +13,7 @@ from z2r.arrays import Bools, Floats, Ints
 from z2r.audits.glances import Glance
 
 _MIN_EPISODES = 5  # from fewer nothing can be said about what is usual
-_CANDIDATES = 64  # for what is usual
+_CANDIDATES = 16  # for what is usual: as half of the episodes are, some of these are among them
 _GAP = 3  # times as far as those that are usual
 _FEW = 0.25  # of the episodes: of more, nobody knows which ones are right
 _LEVEL = 110  # to which all views are brought, so that daylight does not matter
@@ -92,12 +92,11 @@ def differ(features: Floats, floor: float) -> Bools:
     np.False_
     """
     n = len(features)
-    nearest = max(3, n // 3)
-    candidates = [_far(features, features[row]) for row in np.unique(np.linspace(0, n - 1, _CANDIDATES).astype(int))]
-    densest = min(candidates, key=lambda far: float(np.partition(far, nearest - 1)[nearest - 1]))
-    far = _far(features, np.median(features[np.argsort(densest, kind="stable")[:nearest]], axis=0))
-    ordered = np.sort(far)
     half = (n + 1) // 2
+    candidates = [_far(features, features[row]) for row in np.unique(np.linspace(0, n - 1, _CANDIDATES).astype(int))]
+    densest = min(candidates, key=lambda far: float(np.partition(far, half - 1)[half - 1]))
+    far = _far(features, np.median(features[np.argsort(densest, kind="stable")[:half]], axis=0))
+    ordered = np.sort(far)
     gaps = np.flatnonzero(ordered[half:] >= np.maximum(floor, _GAP * ordered[half - 1 : -1]))
     if not len(gaps):
         return np.zeros(n, dtype=bool)
