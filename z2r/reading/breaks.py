@@ -55,7 +55,7 @@ class BreakMode:
     dataset : callable
         Turns the dataset, as it is, into what somebody takes it for.
     misread : callable
-        Says which columns of a schema, which the right reading reads, are taken for what; None where there are none.
+        Says, from the schema and the right reading, which columns are taken for what; None where there are none.
     seen_in : str
         Where it was met in the wild: an address.
     """
@@ -225,7 +225,7 @@ def _exchange_scalar_and_vector(schema: Schema, reading: Reading | None) -> Misr
     stored = next((pose.quaternion for pose in poses if pose.quaternion), None)
     if stored is None or not all(is_there(name, reading.feature, schema) for name in stored.names):
         return None
-    # Who takes xyzw for wxyz finds each number where the next one belongs; the reverse, where the one before does.
+    # Who takes xyzw for wxyz finds in each place the number of the next one; the reverse, that of the one before.
     names = stored.xyzw or (stored.wxyz or ())[::-1]
     return Misread(tuple(locate(name, reading.feature, schema) for name in names), _one_further)
 
