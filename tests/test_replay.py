@@ -270,7 +270,7 @@ def test_an_action_that_is_no_position_is_not_drawn_with_the_state(standin, rows
     assert not [entity for entity, _ in rows if entity.startswith("/joints")]
     assert rows["/policy/action", "SeriesLines:names"] == [(None, ["pusher_vx [m/s]", "pusher_vy [m/s]"])]
     dataset, reading = write_arm(tmp_path)
-    steps = msgspec.structs.replace(reading, action=replace(reading.action, drives="delta"))
+    steps = msgspec.structs.replace(reading, action=msgspec.structs.replace(reading.action, drives="delta"))
     z2r.write_replay(dataset, tmp_path / "x.rrd", steps)
     assert not [entity for entity, _ in read_rows(tmp_path / "x.rrd", "frame") if entity.startswith("/joints")]
 
