@@ -53,7 +53,7 @@ def test_one_episode_is_replayed_and_all_are_summed_up(tmp_path):
     result = run("inspect", "--episode", "4", cwd=tmp_path)
     assert (result.returncode, result.stderr) == (0, "")
     assert "reached target: 6/6" in result.stdout
-    assert "it shows episode 4, one of 6 (64 of 427 frames); the others are left out" in result.stdout
+    assert "it shows episode 4, one of 6 (66 of 427 frames); the others are left out" in result.stdout
     refused = run("inspect", "--episode", "6", cwd=tmp_path)
     assert refused.returncode == 2
     assert "--episode: found no episode 6, expected one of 0 to 5" in in_one_line(refused)
