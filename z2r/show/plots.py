@@ -53,7 +53,7 @@ def colors_of(number: int) -> tuple[Color, Color]:
     """Return the colours of the state and the action of one of many joints: no two joints are alike.
 
     >>> colors_of(0), colors_of(1)
-    (((66, 153, 239), (179, 214, 248)), ((239, 128, 197), (248, 204, 231)))
+    (((94, 166, 232), (191, 219, 246)), ((224, 245, 132), (243, 251, 206)))
     """
     hue = (_FIRST_HUE + number * _GOLDEN) % 1
     strong = colorsys.hls_to_rgb(hue, _LIGHTNESS[number % len(_LIGHTNESS)], 0.75 + 0.1 * (number % 2))
