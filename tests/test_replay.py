@@ -333,6 +333,21 @@ def test_a_video_that_is_missing_is_named_and_shows_nothing(tmp_path):
     assert len(seen(drawn, "side")) == sum(LENGTHS)
 
 
+@pytest.mark.parametrize("wrong", [np.nan, np.inf, 1e300, 500.0])
+def test_frames_at_moments_that_no_video_has_are_named_and_show_nothing(wrong, tmp_path):
+    root = tmp_path / "dataset"
+    write_filmed(root)
+    [path] = shard_files(root)
+    table, column = pq.read_table(path), f"videos/{FRONT}/from_timestamp"
+    times = table[column].to_pylist()
+    times[2] = wrong
+    pq.write_table(table.set_column(table.column_names.index(column), column, pa.array(times)), path)
+    shown = z2r.write_replay(root, tmp_path / "x.rrd")
+    assert f"{LENGTHS[2]} frames outside of it" in shown.left_out[0]
+    hidden = range(sum(LENGTHS[:2]), sum(LENGTHS[:3]))
+    assert {time for time, *_ in seen(read_rows(shown.path, "frame"), "front")}.isdisjoint(hidden)
+
+
 def test_videos_that_are_too_large_are_cut_to_what_is_shown(tmp_path, monkeypatch):
     root = tmp_path / "dataset"
     write_filmed(root)
