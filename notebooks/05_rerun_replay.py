@@ -234,17 +234,17 @@ practice.check_quaternion(quaternion)
 #
 # Here is a still of the viewer, so that you can read on without it. Look at four things. On the left is the table: the
 # block is violet, the target green, the pusher red. The red line is the whole path of the pusher in this episode, the
-# thin blue one that of the block. On the right are four panels; the white line in each marks the moment that the left
+# thin blue one that of the block. On the right are three panels; the white line in each marks the moment that the left
 # side shows. The action has two curves, one for each direction. In the upper two panels, the thin green line is the
-# tolerance.
+# tolerance. Below lie the episodes in a row, and what the robot was told to do.
 
 # %%
 Image(REPLAY_STILL.read_bytes())
 
 # %% [markdown]
-# This is the file that you just wrote, at 4.4 s. The traces cover all six episodes. The five high leaps of the
-# distance, in the top panel, are starts of episodes, and the lowest panel counts them. The small step at the white
-# line is not one: it lies within the first episode.
+# This is the file that you just wrote, at 4.4 s. The traces cover all six episodes, and each ends where its episode
+# does: in the top panel there are five gaps. The small step at the white line is none: it lies within the first
+# episode.
 #
 # ## Read it like a story
 #

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from filmed import FRONT, video, write_filmed
 from layouts import lay_out
 
 import z2r
@@ -46,6 +47,24 @@ def test_inspect_reads_the_shipped_dataset_and_writes_both_files(tmp_path):
     assert written == {"z2r-out/metrics.json", "z2r-out/inspect.rrd"}
     expected = z2r.inspect_dataset(z2r.load(z2r.STANDIN)).metrics("standin", 0)
     assert (tmp_path / "z2r-out/metrics.json").read_bytes() == metrics_json(expected)
+
+
+def test_one_episode_is_replayed_and_all_are_summed_up(tmp_path):
+    result = run("inspect", "--episode", "4", cwd=tmp_path)
+    assert (result.returncode, result.stderr) == (0, "")
+    assert "reached target: 6/6" in result.stdout
+    assert "it shows episode 4, one of 6 (66 of 427 frames); the others are left out" in result.stdout
+    refused = run("inspect", "--episode", "6", cwd=tmp_path)
+    assert refused.returncode == 2
+    assert "--episode: found no episode 6, expected one of 0 to 5" in in_one_line(refused)
+
+
+def test_a_camera_without_its_video_is_named_and_all_else_is_replayed(tmp_path):
+    write_filmed(tmp_path / "dataset")
+    video(tmp_path / "dataset", FRONT).unlink()
+    result = run("inspect", "dataset", cwd=tmp_path)
+    assert (result.returncode, result.stderr) == (0, "")
+    assert "not in it: videos/observation.images.front/chunk-000/file-000.mp4: found no such file" in result.stdout
 
 
 def test_json_prints_the_metrics_and_nothing_else(tmp_path):

@@ -3,15 +3,24 @@
 from dataclasses import replace
 from pathlib import Path
 
+import healthy
+import msgspec
 import numpy as np
 import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
-from layouts import lay_out
+import rerun as rr
+from filmed import CAMERAS, FRONT, LENGTHS, SIDE, shoot, video, write_filmed, write_photographed
+from layouts import data_files, lay_out, shard_files
 from rerun.chunk import RrdReader
+from robots import JOINTS, write_arm
 
 import z2r
+from z2r.format.mp4 import read_video_index
 from z2r.pusht import task
 from z2r.pusht.world import PUSHT
+from z2r.show import cameras
+from z2r.show.plots import colors_of
 from z2r.show.replay import write_replay
 
 Rows = dict[tuple[str, str], list[tuple[float | None, object]]]
@@ -179,3 +188,200 @@ def test_without_a_reading_the_numbers_are_shown_and_no_world(tmp_path, standin)
     drawn = read_rows(path, "frame")
     np.testing.assert_allclose(values(drawn, "observation/state", "Scalars:scalars"), standin.read("observation.state"))
     assert not [entity for entity, _ in drawn if entity.startswith("/world")]
+
+
+# --- where an episode ends, and which one is shown
+
+
+def test_no_line_goes_on_to_the_next_episode(standin, rows, tmp_path):
+    between = (standin.episodes.from_index[1:] - 0.5) / standin.schema.fps
+    for line in ("eval/pos_err", "eval/ang_err", "policy/action"):
+        ends = [time for time, _ in rows[f"/{line}", "Clear:is_recursive"]]
+        np.testing.assert_allclose(np.array(ends) / 1e9, between)
+    merged = replay(tmp_path, standin, "drop-boundaries")
+    assert ("/policy/action", "Clear:is_recursive") not in merged
+
+
+def test_one_episode_is_shown_where_it_is_asked_for(standin, tmp_path):
+    shown = z2r.write_replay(standin, tmp_path / "x.rrd", episode=4)
+    assert (shown.n_frames, shown.n_episodes) == (standin.episodes.lengths[4], 1)
+    drawn, own = read_rows(shown.path, "sim_time"), standin.episodes[4]
+    np.testing.assert_allclose(values(drawn, "policy/action", "Scalars:scalars"), standin.read("action")[own])
+    assert np.unique(values(drawn, "eval/episode_index", "Scalars:scalars")) == 4
+    assert drawn["/policy/action", "Scalars:scalars"][0][0] == 0
+    with pytest.raises(ValueError, match="found no episode 6, expected one of 0 to 5"):
+        z2r.write_replay(standin, tmp_path / "y.rrd", episode=6)
+
+
+def test_episodes_and_tasks_are_text_from_the_first_frame_of_each(tmp_path):
+    write_filmed(tmp_path / "dataset")
+    [path] = shard_files(tmp_path / "dataset")
+    table = pq.read_table(path)
+    told = [["lift"], ["place"], ["place"], ["lift"], *[["place"]] * 4]
+    place = table.column_names.index("tasks")
+    pq.write_table(table.set_column(place, "tasks", pa.array(told)), path)
+    z2r.write_replay(tmp_path / "dataset", tmp_path / "x.rrd")
+    drawn, starts = read_rows(tmp_path / "x.rrd", "frame"), (np.cumsum(LENGTHS) - LENGTHS).tolist()
+    assert drawn["/task", "TextDocument:text"] == list(zip(starts, told, strict=True))
+    assert drawn["/task", "StateChange:state"] == list(zip(starts, told, strict=True))
+    episodes = [[f"episode {number}"] for number in range(len(LENGTHS))]
+    assert drawn["/eval/episode_index", "StateChange:state"] == list(zip(starts, episodes, strict=True))
+    assert "StateTimeline" in read_layout(tmp_path / "x.rrd")
+
+
+# --- joints
+
+
+def rgb(rows: Rows, entity: str) -> list[tuple[int, ...]]:
+    [(_, colors)] = rows[entity, "SeriesLines:colors"]
+    return [tuple(color.to_bytes(4)[:3]) for color in colors]
+
+
+def test_state_and_action_of_a_joint_have_a_plot_and_a_colour_of_their_own(tmp_path):
+    dataset, reading = write_arm(tmp_path)
+    z2r.write_replay(dataset, tmp_path / "x.rrd", reading)
+    drawn, layout = read_rows(tmp_path / "x.rrd", "frame"), read_layout(tmp_path / "x.rrd")
+    both = {"state": dataset.read("observation.state"), "action": dataset.read("action")}
+    for place, name in enumerate(JOINTS):
+        entity = f"joints/{rr.escape_entity_path_part(name)}"
+        for (role, whole), color in zip(both.items(), colors_of(place), strict=True):
+            np.testing.assert_allclose(
+                values(drawn, f"{entity}/{role}", "Scalars:scalars")[:, 0], whole[:, place], rtol=1e-6
+            )
+            assert rgb(drawn, f"/{entity}/{role}") == [color]
+            assert len(drawn[f"/{entity}/{role}", "Clear:is_recursive"]) == len(dataset.episodes) - 1
+            assert f"/{entity}/{role}" in layout
+    assert rgb(drawn, "/observation/state") == [colors_of(place)[0] for place in range(len(JOINTS))]
+    assert rgb(drawn, "/policy/action") == [colors_of(place)[1] for place in range(len(JOINTS))]
+    assert "gripper.pos [percent]" in layout
+
+
+def test_34_joints_are_all_named_and_no_two_are_alike(tmp_path):
+    healthy.write_healthy("34-joints", tmp_path / "dataset")
+    z2r.write_replay(tmp_path / "dataset", tmp_path / "x.rrd")
+    drawn, layout = read_rows(tmp_path / "x.rrd", "frame"), read_layout(tmp_path / "x.rrd")
+    colors = rgb(drawn, "/observation/state") + rgb(drawn, "/policy/action")
+    assert len(set(colors)) == 2 * 34
+    assert all(f"'joint_{number:02d}'" in layout for number in range(34))
+    assert "joint_12 … joint_22" in layout
+
+
+def test_an_action_that_is_no_position_is_not_drawn_with_the_state(standin, rows, tmp_path):
+    assert not [entity for entity, _ in rows if entity.startswith("/joints")]
+    assert rows["/policy/action", "SeriesLines:names"] == [(None, ["pusher_vx [m/s]", "pusher_vy [m/s]"])]
+    dataset, reading = write_arm(tmp_path)
+    steps = msgspec.structs.replace(reading, action=msgspec.structs.replace(reading.action, drives="delta"))
+    z2r.write_replay(dataset, tmp_path / "x.rrd", steps)
+    assert not [entity for entity, _ in read_rows(tmp_path / "x.rrd", "frame") if entity.startswith("/joints")]
+
+
+# --- cameras
+
+
+def seen(rows: Rows, camera: str) -> list[tuple[float | None, str, int]]:
+    """The time of each row, the video that it refers to, and when in it [ns]."""
+    of_camera = (rows[f"/cameras/{camera}", f"VideoFrameReference:{part}"] for part in ("video_reference", "timestamp"))
+    return [(time, video, at) for (time, [video]), (_, [at]) in zip(*of_camera, strict=True)]
+
+
+def test_each_frame_refers_to_its_own_moment_of_the_video_that_lies_on_disk(tmp_path):
+    root = tmp_path / "dataset"
+    write_filmed(root)
+    shoot(root, SIDE, files=[3, 5])
+    shown = z2r.write_replay(root, tmp_path / "x.rrd")
+    assert shown.left_out == ()
+    drawn, metadata = read_rows(shown.path, "frame"), pq.read_table(shard_files(root)[0]).to_pylist()
+    for name in CAMERAS:
+        expected = [
+            (f"cameras/{name[19:]}/chunk-000-file-{row[f'videos/{name}/file_index']:03d}", at)
+            for row in metadata
+            for at in row[f"videos/{name}/from_timestamp"] + np.arange(row["length"]) / 10
+        ]
+        found = seen(drawn, name[19:])
+        assert [time for time, _, _ in found] == list(range(sum(LENGTHS)))
+        assert [video for _, video, _ in found] == [video for video, _ in expected]
+        np.testing.assert_allclose([at / 1e9 for *_, at in found], [at for _, at in expected], atol=1e-9)
+    for number in range(2):
+        [(time, [blob])] = drawn[f"/cameras/side/chunk-000-file-{number:03d}", "AssetVideo:blob"]
+        assert time is None
+        assert bytes(blob) == video(root, SIDE, number).read_bytes()
+
+
+def test_of_one_episode_only_the_video_that_shows_it_is_there(tmp_path):
+    root = tmp_path / "dataset"
+    write_filmed(root, files=[3, 5])
+    drawn = read_rows(z2r.write_replay(root, tmp_path / "x.rrd", episode=4).path, "frame")
+    assert {entity for entity, part in drawn if part == "AssetVideo:blob"} == {
+        "/cameras/front/chunk-000-file-001",
+        "/cameras/side/chunk-000-file-001",
+    }
+    start = LENGTHS[3] / 10
+    assert [at for *_, at in seen(drawn, "front")] == [round(1e9 * (start + at / 10)) for at in range(LENGTHS[4])]
+
+
+def test_a_video_that_is_missing_is_named_and_shows_nothing(tmp_path):
+    root = tmp_path / "dataset"
+    write_filmed(root, files=[3, 5])
+    video(root, FRONT, 1).unlink()
+    shown = z2r.write_replay(root, tmp_path / "x.rrd")
+    [line] = shown.left_out
+    assert line.startswith("videos/observation.images.front/chunk-000/file-001.mp4: found no such file")
+    drawn, first_three = read_rows(shown.path, "frame"), sum(LENGTHS[:3])
+    assert line in drawn["/about", "TextDocument:text"][0][1][0]
+    assert [time for time, *_ in seen(drawn, "front")] == list(range(first_three))
+    assert [time for time, _ in drawn["/cameras/front", "Clear:is_recursive"]] == [first_three - 1]
+    assert len(seen(drawn, "side")) == sum(LENGTHS)
+
+
+@pytest.mark.parametrize("wrong", [np.nan, np.inf, 1e300, 500.0])
+def test_frames_at_moments_that_no_video_has_are_named_and_show_nothing(wrong, tmp_path):
+    root = tmp_path / "dataset"
+    write_filmed(root)
+    [path] = shard_files(root)
+    table, column = pq.read_table(path), f"videos/{FRONT}/from_timestamp"
+    times = table[column].to_pylist()
+    times[2] = wrong
+    pq.write_table(table.set_column(table.column_names.index(column), column, pa.array(times)), path)
+    shown = z2r.write_replay(root, tmp_path / "x.rrd")
+    assert f"{LENGTHS[2]} frames outside of it" in shown.left_out[0]
+    hidden = range(sum(LENGTHS[:2]), sum(LENGTHS[:3]))
+    assert {time for time, *_ in seen(read_rows(shown.path, "frame"), "front")}.isdisjoint(hidden)
+
+
+def test_videos_that_are_too_large_are_cut_to_what_is_shown(tmp_path, monkeypatch):
+    root = tmp_path / "dataset"
+    write_filmed(root)
+    monkeypatch.setattr(cameras, "MAX_BYTES", video(root, FRONT).stat().st_size)
+    drawn = read_rows(z2r.write_replay(root, tmp_path / "x.rrd", episode=4).path, "frame")
+    whole = read_video_index(root, video(root, FRONT).relative_to(root))
+    [(_, [blob])] = drawn["/cameras/front/chunk-000-file-000", "AssetVideo:blob"]
+    (tmp_path / "cut.mp4").write_bytes(bytes(blob))
+    cut, first = read_video_index(tmp_path, Path("cut.mp4")), sum(LENGTHS[:4])
+    assert len(cut.times) < len(whole.times) / 4
+    times = rr.AssetVideo(path=tmp_path / "cut.mp4").read_frame_timestamps_nanos() / 1e9
+    own = [int(np.abs(times - at / 1e9).argmin()) for *_, at in seen(drawn, "front")]
+    np.testing.assert_allclose(times[own], [at / 1e9 for *_, at in seen(drawn, "front")], atol=1e-4)
+    assert cut.sizes[own].tolist() == whole.sizes[first : first + LENGTHS[4]].tolist()
+
+
+def test_without_pyav_videos_that_are_too_large_are_left_out(tmp_path, monkeypatch):
+    root = tmp_path / "dataset"
+    write_filmed(root)
+    monkeypatch.setattr(cameras, "MAX_BYTES", video(root, FRONT).stat().st_size)
+    monkeypatch.setattr(cameras, "can_decode", lambda: False)
+    shown = z2r.write_replay(root, tmp_path / "x.rrd", episode=4)
+    assert [line.split(":")[0] for line in shown.left_out] == ["videos/observation.images.side/chunk-000/file-000.mp4"]
+
+
+@pytest.mark.parametrize("kind", ["png", "jpeg"])
+def test_images_are_shown_as_they_are_encoded(kind, tmp_path):
+    root = tmp_path / "dataset"
+    write_photographed(root, kind=kind)
+    drawn = read_rows(z2r.write_replay(root, tmp_path / "x.rrd", episode=2).path, "frame")
+    first = sum(LENGTHS[:2])
+    [path] = data_files(root)
+    stored = pq.read_table(path, columns=[SIDE]).column(0).slice(first, LENGTHS[2]).to_pylist()
+    found = drawn["/cameras/side", "EncodedImage:blob"]
+    assert [time for time, _ in found] == list(range(LENGTHS[2]))
+    assert [bytes(blob) for _, [blob] in found] == [picture["bytes"] for picture in stored]
+    assert {media for _, [media] in drawn["/cameras/side", "EncodedImage:media_type"]} == {f"image/{kind}"}

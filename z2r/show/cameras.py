@@ -13,7 +13,7 @@ import numpy as np
 import rerun as rr
 
 from z2r.arrays import Floats, Ints
-from z2r.errors import DatasetError, Fault
+from z2r.errors import DatasetError, Fault, count
 from z2r.format.about import cameras_of, short_names
 from z2r.format.dataset import Dataset
 from z2r.format.decoding import can_decode, cut_video
@@ -27,6 +27,8 @@ from z2r.show.recorder import Recorder
 MAX_BYTES = 200 * 2**20
 """Of all pictures in a recording; LeRobot begins a new video at this size."""
 
+_SLACK = 1.0  # s: so far outside of a video, its first or its last picture is shown
+_WRONG_TIME = "meta/episodes (from_timestamp) says where in it they are"
 _MAX_IMAGES = 64  # at a time
 _LESS = "Show one episode of it: z2r inspect --episode N. With PyAV, the extra video, it is cut to that"
 
@@ -111,10 +113,18 @@ def _find_clips(dataset: Dataset, episodes: EpisodeIndex) -> tuple[list[_Clip], 
             frames = np.flatnonzero(film.file_number == number)
             try:
                 video = read_video(dataset.root, path)
-                clips.append(_Clip(camera, path, video, frames, film.time[frames]))
             except DatasetError as error:
                 found.append(error.fault.relative_to(dataset.root))
                 lost.append((camera, frames))
+                continue
+            time = film.time[frames]
+            inside_it = (time > -_SLACK) & (time < video.duration + _SLACK)
+            if inside_it.any():
+                clips.append(_Clip(camera, path, video, frames[inside_it], time[inside_it]))
+            if not inside_it.all():
+                what = f"{count(int((~inside_it).sum()), 'frame')} outside of it"
+                found.append(Fault(path, "", what, f"moments from 0 to {video.duration:g} s", _WRONG_TIME))
+                lost.append((camera, frames[~inside_it]))
     return clips, lost, found
 
 

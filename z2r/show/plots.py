@@ -162,10 +162,11 @@ def _send_feature(
 ) -> Iterator[_Plot]:
     """Send a feature as it is stored, and yield the plots of those of its numbers that have none yet."""
     feature, entity = schema.features[name], _entity(name)
-    names = feature.dim_names or tuple(str(dim) for dim in range(feature.size))
-    units = [reading.meaning(name, dim).unit if reading else "" for dim in names]
-    labels = [with_unit(*label) for label in zip(feature.labels, units, strict=True)]
     rest = [dim for dim in range(feature.size) if (name, dim) not in colors]
+    labels = [printable(label) for label in feature.labels]
+    for dim in rest:  # the others have their unit in the plot of their joint
+        known = feature.dim_names[dim] if feature.dim_names else str(dim)
+        labels[dim] = with_unit(labels[dim], reading.meaning(name, known).unit if reading else "")
     shades = [colors.get((name, dim)) or colors_of(len(colors) + dim)[0] for dim in range(feature.size)]
     recorder.static(entity, rr.SeriesLines(names=labels, colors=shades))
     recorder.lines(entity, values)

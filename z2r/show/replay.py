@@ -80,7 +80,7 @@ def write_replay(inspection: Inspection, path: Path, scene: Scene | None = None)
 
 def _about(about: About, seen: Seen) -> str:
     """Return what the dataset says of itself, a line for each; as plain text, so that no name in it is markup."""
-    lines = about.lines | ({"not shown": list(seen.left_out)} if seen.left_out else {})
+    lines = ({"not shown": list(seen.left_out)} if seen.left_out else {}) | about.lines
     return "\n".join(f"{kind}: {printable(line)}" for kind, each in lines.items() for line in each)
 
 
