@@ -221,7 +221,7 @@ function makeTrace(figure, label, kinds) {
       const across = (value) => svg("line", { class: "zero", x2: "100%", y1: `${scale(value)}%`, y2: `${scale(value)}%` });
       axis.replaceChildren(
         ...(bottom < 0 && top > 0 ? [across(0)] : []),
-        ...levels.map((value) => text(short(value), { class: "level", x: -6, y: `${scale(value)}%`, dy: "0.35em" })),
+        ...levels.map((value) => text(level(value, top - bottom), { class: "level", x: -6, y: `${scale(value)}%`, dy: "0.35em" })),
         ...(edge === null ? [] : [text(said, { class: "limit", dx: 5, y: `${scale(edge)}%`, dy: -4 })]),
         ...ticks((nFrames() - 1) / page.fps).map((second, i) =>
           text(i ? second : `${second} s`, { class: "tick", x: place(second * page.fps), y: "100%", dy: 14 }),
@@ -247,6 +247,9 @@ function makeTrace(figure, label, kinds) {
     },
   };
 }
+
+/** A value as far as its place on a scale of this width can be told. */
+const level = (value, width) => Number(value.toFixed(Math.min(Math.max(2 - Math.floor(Math.log10(width || 1)), 0), 9))) + 0;
 
 function text(content, attributes) {
   const element = svg("text", attributes);
