@@ -72,7 +72,7 @@ def test_cameras_play_along_and_stop_at_the_end(filmed, open_report):
     page = open_report(filmed)
     page.get_by_label("Speed").select_option("4")
     page.get_by_role("button", name="Play").click()
-    page.wait_for_function("[...document.querySelectorAll('video')].every((video) => video.currentTime > 0.5)")
+    page.wait_for_function("() => [...document.querySelectorAll('video')].every((video) => video.currentTime > 0.5)")
     assert page.locator("video").first.evaluate("video => video.playbackRate") == 4
     expect_frame(page, LENGTHS[0] - 1)
     expect(page.get_by_role("button", name="Play")).to_be_visible()
@@ -185,9 +185,8 @@ def test_a_chart_can_have_the_scale_of_its_episode_and_says_what_is_under_the_cu
     both = np.concatenate([heights(chart, kind) for kind in ("measured", "command")])
     np.testing.assert_allclose([both.min(), both.max()], [6, 94], atol=1e-6)
     plot = chart.locator(".plot").first
-    box = plot.bounding_box()
     last = int(dataset.episodes.lengths[0]) - 1
-    page.mouse.move(box["x"] + box["width"] * 4 / last, box["y"] + 20)
+    plot.hover(position={"x": plot.bounding_box()["width"] * 4 / last, "y": 20})
     at = f"{4 / dataset.schema.fps:.2f} s: {dataset.read('observation.state')[4, 0]:.3g}"
     expect(chart.locator("output")).to_contain_text(at)
     expect_frame(page, 0)
@@ -260,7 +259,7 @@ def test_an_address_holds_episode_frame_and_reading(open_report, open_file, tmp_
     expect(page.get_by_role("combobox", name="Episode")).to_have_value("3")
     expect_frame(page, 20)
     page.keyboard.press("ArrowRight")
-    page.wait_for_function("location.hash === '#episode=3&frame=21&reading=yaw-swap'")
+    page.wait_for_function("() => location.hash === '#episode=3&frame=21&reading=yaw-swap'")
     page.reload()
     expect_frame(page, 21)
     expect(page.locator("[value=yaw-swap]")).to_be_checked()

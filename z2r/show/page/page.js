@@ -164,7 +164,9 @@ function follow(event) {
   const link = event.target.closest("a[href^='#episode=']") ?? event.target.closest("tr[data-episode]")?.querySelector("a");
   if (!link) return;
   event.preventDefault();
-  if (go(link.getAttribute("href"))) byId("player").scrollIntoView({ block: "nearest" });
+  if (!go(link.getAttribute("href"))) return;
+  byId("player").scrollIntoView({ block: "nearest" });
+  byId("frame").focus({ preventScroll: true }); // so that the next key means its frames
 }
 
 // --- traces --------------------------------------------------------------------------------------------------------
