@@ -389,7 +389,7 @@ def report(dataset: Path | None, *, reading: "Reading | None", out: Path, with_a
     screen = console()
     data = load(find_dataset(dataset))
     reading = _fitting(reading, data.schema)
-    _announce(screen, "report", data)
+    _announce(screen, "report" if with_audit else "report --no-audit", data)
     try:
         with progress("reading", "frames", quiet=False) as move:
             written = write_report(data, out, reading, move, with_audit=with_audit)

@@ -391,9 +391,9 @@ def _dimension_rows(name: str, inspection: Inspection) -> list[str]:
             "dimension.html",
             name=escape(printable(label)),
             unit=escape(printable(meaning.unit)),
-            low=f"{low[i]:.3f}",
-            mean=f"{ranges.mean[i]:.3f}",
-            high=f"{high[i]:.3f}",
+            low=f"{low[i]:z.3f}",
+            mean=f"{ranges.mean[i]:z.3f}",
+            high=f"{high[i]:z.3f}",
             bar=range_bar(low[i], ranges.mean[i], high[i], scale),
         )
         for i, (label, meaning) in enumerate(meanings)
