@@ -259,7 +259,7 @@ def opens_of_data_files(root: Path, scratch: Path) -> Table:
 
 def command_against_inspect(command: str, most: float, root: Path, scratch: Path, runs: int) -> Row:
     ours, theirs = alternate(
-        lambda: run_process([*Z2R, command, str(root)], scratch),
+        lambda: run_process([*Z2R, *command.split(), str(root)], scratch),
         lambda: run_process([*Z2R, "inspect", str(root), "--no-rerun"], scratch),
         runs=runs,
     )
