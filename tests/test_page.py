@@ -84,7 +84,8 @@ def test_cameras_play_along_and_stop_at_the_end(filmed, open_report):
 def test_a_clip_holds_the_pictures_of_its_episode_and_no_other_bytes(options, tmp_path):
     write_filmed(tmp_path / "filmed", clock)
     episodes = [list(clock(FRONT, number, np.empty(length))) for number, length in enumerate(LENGTHS)]
-    write_video(video(tmp_path / "filmed", FRONT), episodes, **options)
+    # As one, so that an episode begins between two pictures that can be decoded alone.
+    write_video(video(tmp_path / "filmed", FRONT), [[picture for own in episodes for picture in own]], **options)
     inspection = z2r.inspect_dataset(tmp_path / "filmed")
     film = read_films(inspection, inspection.episodes, 10**7)[0]
     assert not film.missing
