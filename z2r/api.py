@@ -335,7 +335,7 @@ def write_report(
     progress : callable, optional
         Called with the number of frames done and the number of all, after each data file.
     with_audit : bool, optional
-        Audit the dataset too, and show what was found.
+        Audit the dataset too, which is a pass over its files of its own, and show what was found.
 
     Raises
     ------

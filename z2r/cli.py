@@ -417,7 +417,8 @@ def report(dataset: Path | None, *, reading: "Reading | None", out: Path, with_a
     DATASET is named as for `z2r inspect`. It is never written to.
 
     The page is one file that any browser opens from disk. It needs no network and no server, so it can be mailed. It
-    stays below 5 MB: of a large dataset, it holds the frames of the first episodes, and the sums of all.
+    stays below 5 MB: of a large dataset, it holds the frames of the first episodes, and the sums of all. With the extra
+    `video`, its cameras play, as far as there is room.
     """
     from z2r.api import load, write_report
     from z2r.show.terminal import console, progress
@@ -425,7 +426,7 @@ def report(dataset: Path | None, *, reading: "Reading | None", out: Path, with_a
     screen = console()
     data = load(find_dataset(dataset))
     reading = _fitting(reading, data.schema)
-    _announce(screen, "report", data)
+    _announce(screen, "report" if with_audit else "report --no-audit", data)
     try:
         with progress("reading", "frames", quiet=False) as move:
             written = write_report(data, out, reading, move, with_audit=with_audit)

@@ -90,7 +90,7 @@ with contextlib.suppress(SystemExit):
     main()
 print(json.dumps(opens))
 """
-COMMANDS = ("inspect --no-rerun", "inspect --rerun", "report", "audit")
+COMMANDS = ("inspect --no-rerun", "inspect --rerun", "report --no-audit", "audit")
 
 
 def run_process(command: list[str], cwd: Path) -> Process:
@@ -259,7 +259,7 @@ def opens_of_data_files(root: Path, scratch: Path) -> Table:
 
 def command_against_inspect(command: str, most: float, root: Path, scratch: Path, runs: int) -> Row:
     ours, theirs = alternate(
-        lambda: run_process([*Z2R, command, str(root)], scratch),
+        lambda: run_process([*Z2R, *command.split(), str(root)], scratch),
         lambda: run_process([*Z2R, "inspect", str(root), "--no-rerun"], scratch),
         runs=runs,
     )
@@ -303,7 +303,7 @@ def measure_ledger(big: Path, scratch: Path, runs: int) -> Iterator[Run]:
     kinds = [
         (command, z2r.load(root).episodes.n_frames, "frames", [*command.split(), str(root)])
         for root in (z2r.STANDIN, big)
-        for command in ("inspect", "inspect --no-rerun", "report")
+        for command in ("inspect", "inspect --no-rerun", "report --no-audit")
     ]
     kinds += [("record", n, "episodes", ["record", "recorded", "--episodes", str(n)]) for n in (6, 60)]
     for command, size, unit, args in kinds:
@@ -348,7 +348,7 @@ def main() -> None:
             memory_by_number_of_files(quarter, big, scratch, args.runs),
             read_against_bare_pyarrow(big, args.runs),
             replay_against_rows(small, scratch, min(args.runs, 3)),
-            command_against_inspect("report", 3, big, scratch, args.runs),
+            command_against_inspect("report --no-audit", 3, big, scratch, args.runs),
             size_of_page(scratch / "z2r-out/report.html"),
             command_against_inspect(
                 "audit", 5, repeat_messy(scratch / "messy", args.frames, n_files=32), scratch, args.runs

@@ -117,8 +117,8 @@ class Audit(msgspec.Struct, frozen=True):
         dict
             ``source``, ``break_mode``, ``exit_code``, ``n_episodes``, ``n_frames``; ``n_errors``, ``n_warnings``,
             ``n_notes``, of those in ``findings``; ``findings``, each with ``check``, ``severity``, ``file``, ``field``,
-            ``found``, ``expected``, ``mend`` and ``episodes``; ``more``, how many findings of a check are left out; and
-            ``not_checked``.
+            ``found``, ``expected``, ``mend``, ``episodes`` and ``frame``; ``more``, how many findings of a check are
+            left out; and ``not_checked``.
         """
         counts = Counter(finding.severity for finding in self.findings)
         return {

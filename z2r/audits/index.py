@@ -170,7 +170,8 @@ def timestamp(frames: FileFrames) -> Iterator[Answer]:
     found = f"{stored[row]:g} s{and_more(wrong)}"
     wanted = f"{expected[row]:g} s, which is frame {frame_index[row]} at {fps:g} fps"
     mend = f"Its frames are {step:.3g} s apart: if that is right, fps is {1 / step:.3g}" if off_everywhere else ""
-    yield Fault(frames.path, f"timestamp in row {row}", found, wanted, mend, frames.episodes_in(wrong))
+    named, frame = frames.episodes_in(wrong), frames.claims.base + row
+    yield Fault(frames.path, f"timestamp in row {row}", found, wanted, mend, named, frame)
     backwards = np.concatenate([[False], (np.diff(stored) <= 0) & (np.diff(frame_index) > 0)])
     if backwards.any():
         row = int(backwards.argmax())

@@ -70,7 +70,8 @@ def nothing_leaps(runs: Runs) -> Iterator[Answer]:
             found = f"a leap of {steps.largest[run, column]:.3g}{_so_in(together)}"
             expected = f"steps of about {calm[column]:.3g} at most, as in the other episodes"
             mend = "Are these two episodes, or were frames dropped? Cut it there, or leave it out"
-            yield _fault(runs, place, wrong, found, expected, mend)
+            frame = int(runs.start[run] + steps.at[run, column])
+            yield _fault(runs, place, wrong, found, expected, mend, frame)
 
 
 @JUMP.of(Runs)
@@ -88,9 +89,8 @@ def nothing_leaps_and_comes_back(runs: Runs) -> Iterator[Answer]:
             found = f"a leap of {spike[run, column]:.3g} away and back, {ratio[run, column]:.0f} times its usual step"
             mend = "Was a sample lost or read wrong? Smooth it, or leave the episode out"
             expected = "motion that a robot can do"
-            yield _fault(
-                runs, f"{_dim(runs, name, column)} in {where}", wrong, found + _so_in(wrong[run]), expected, mend
-            )
+            place, frame = f"{_dim(runs, name, column)} in {where}", int(runs.start[run] + steps.at[run, column])
+            yield _fault(runs, place, wrong, found + _so_in(wrong[run]), expected, mend, frame)
 
 
 @LEAP.of(Runs)
@@ -132,9 +132,8 @@ def nothing_stalls(runs: Runs) -> Iterator[Answer]:
             where = _where(runs, wrong, run, steps.stall_at[run, column])
             mend = "Did the sensor or the recording hang there? Leave the episode out, or record it again"
             expected = "motion that goes on, as in the other episodes"
-            yield _fault(
-                runs, f"{_dim(runs, name, column)} in {where}", wrong, found + _so_in(wrong[run]), expected, mend
-            )
+            place, frame = f"{_dim(runs, name, column)} in {where}", int(runs.start[run] + steps.stall_at[run, column])
+            yield _fault(runs, place, wrong, found + _so_in(wrong[run]), expected, mend, frame)
 
 
 @Check("noise", "no sensor is many times noisier in one episode than in the others", "warning").of(Runs)
@@ -384,10 +383,12 @@ def _where(runs: Runs, wrong: Bools, run: int, frame: float) -> str:
     return f"episode {runs.number[run]}, frame {frame:.0f}{and_more(np.atleast_1d(wrong.any(axis=1)))}"
 
 
-def _fault(runs: Runs, place: str, wrong: Bools, found: str, expected: str, mend: str) -> Fault:
+def _fault(
+    runs: Runs, place: str, wrong: Bools, found: str, expected: str, mend: str, frame: int | None = None
+) -> Fault:
     """Return a fault of the runs in which something is wrong, bool[n_runs] or bool[n_runs, size]."""
     episodes = runs.number[wrong.any(axis=1) if wrong.ndim > 1 else wrong].tolist()
-    return Fault(DATA_DIR, place, found, expected, mend, tuple(dict.fromkeys(episodes)))
+    return Fault(DATA_DIR, place, found, expected, mend, tuple(dict.fromkeys(episodes)), frame)
 
 
 def _named(runs: Runs, wrong: Any) -> str:

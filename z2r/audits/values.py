@@ -44,7 +44,8 @@ def unit_circle(frames: FileFrames) -> Iterator[Answer]:
                 row = int(wrong.argmax())
                 place = f"{name}: {feature.dim_names[sine]}² + {feature.dim_names[cosine]}² in row {row}"
                 found, named = f"{squares[row]:.3f}{and_more(wrong)}", frames.episodes_in(wrong)
-                yield Fault(frames.path, place, found, "1: a sine and its cosine", episodes=named)
+                frame = frames.claims.base + row
+                yield Fault(frames.path, place, found, "1: a sine and its cosine", "", named, frame)
 
 
 JUMP = Check("jump", "no value leaps away and back, many times further than it moves elsewhere", "warning")
@@ -62,9 +63,9 @@ def unit_quaternion(frames: FileFrames) -> Iterator[Answer]:
                 row = int(wrong.argmax())
                 place = f"{name}: the squares of {', '.join(feature.dim_names[each] for each in columns)} in row {row}"
                 found = f"{squares[row]:.3f}{and_more(wrong)}"
-                yield Fault(
-                    frames.path, place, found, "1: a quaternion", "Divide each by its length", frames.episodes_in(wrong)
-                )
+                named, frame = frames.episodes_in(wrong), frames.claims.base + row
+                mend = "Divide each by its length"
+                yield Fault(frames.path, place, found, "1: a quaternion", mend, named, frame)
 
 
 @JUMP.of(Runs)

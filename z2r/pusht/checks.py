@@ -114,7 +114,15 @@ def action_range(scene: SceneSums) -> Iterator[Answer]:
     worst, path = _worst_of(scene, lambda sums: sums.beyond_limit)
     if worst.times:
         found = f"{worst.value:.3g} m/s ({worst.times:,} frames like it)"
-        yield Fault(path, f"action of frame {worst.frame}", found, f"at most {ACTION_LIMIT} m/s", "", worst.episodes)
+        yield Fault(
+            path,
+            f"action of frame {worst.frame}",
+            found,
+            f"at most {ACTION_LIMIT} m/s",
+            "",
+            worst.episodes,
+            worst.frame,
+        )
 
 
 @Check("overlap", "solid bodies stay apart", "error").of(SceneSums)
@@ -129,6 +137,7 @@ def bodies_stay_apart(scene: SceneSums) -> Iterator[Answer]:
             f"solid bodies apart, or at most {1000 * LIMIT:.0f} mm into each other",
             "A yaw is read wrong (sine and cosine swapped?), or two columns have each other's names",
             worst.episodes,
+            worst.frame,
         )
 
 
@@ -156,6 +165,7 @@ def nothing_leaps_inside_an_episode(scene: SceneSums) -> Iterator[Answer]:
             "a leap only where an episode ends",
             "The index lacks a boundary here, or frames are missing or in the wrong order",
             worst.episodes,
+            worst.frame,
         )
 
 
@@ -167,7 +177,7 @@ def something_leaps_where_an_episode_ends(scene: SceneSums) -> Iterator[Answer]:
         found = f"motion that runs straight on ({worst.times:,} like it)"
         mend = "The motion has no boundary here: is the index off by a frame, or one episode cut in two?"
         place = f"frame {worst.frame}, where an episode begins"
-        yield "warning", Fault(path, place, found, "a new start", mend, worst.episodes)
+        yield "warning", Fault(path, place, found, "a new start", mend, worst.episodes, worst.frame)
 
 
 @FROZEN.of(SceneSums)
@@ -178,7 +188,7 @@ def the_pusher_is_not_stuck(scene: SceneSums) -> Iterator[Answer]:
         found = f"the pusher at the very same place for {worst.value + 1:.0f} frames"
         expected = "motion, for the action asks for it"
         mend = "The sensor, or the recording, hung"
-        yield Fault(path, f"up to frame {worst.frame}", found, expected, mend, worst.episodes)
+        yield Fault(path, f"up to frame {worst.frame}", found, expected, mend, worst.episodes, worst.frame)
 
 
 @Check("yaw-error", "no error in yaw is more than half a turn", "error").of(SceneSums)
@@ -188,7 +198,9 @@ def yaw_error(scene: SceneSums) -> Iterator[Answer]:
     if worst.times:
         found = f"{worst.value:.2f} rad ({worst.times:,} frames like it)"
         mend = "Wrap the difference of two angles into one turn"
-        yield Fault(path, f"error in yaw of frame {worst.frame}", found, "at most 3.14 rad", mend, worst.episodes)
+        yield Fault(
+            path, f"error in yaw of frame {worst.frame}", found, "at most 3.14 rad", mend, worst.episodes, worst.frame
+        )
 
 
 @Check("final-offset", "episodes do not all miss the target in the same way", "warning").of(SceneSums)

@@ -23,6 +23,8 @@ from z2r.reading.reading import Reading
 from z2r.reading.stored import REWARD, StoredSuccess, levels_of, stored_success
 from z2r.reading.success import FrameErrors, frame_errors, in_tolerance
 
+_NAMED = 3  # columns in a headline: who lacks more has another robot
+
 
 @dataclass(frozen=True, eq=False)
 class Ranges:
@@ -163,6 +165,8 @@ class Inspection:
         if self.reading is not None:
             return f"the reading {self.reading.name} has no goal"
         if self.missing:
+            if len(self.missing) > _NAMED:
+                return f"its reading needs {len(self.missing)} columns that are not there, such as {self.missing[0]}"
             return f"its reading needs {self.lacking}, which is not there"
         return "no reading says what its columns mean, and what counts as reached"
 

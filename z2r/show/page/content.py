@@ -19,6 +19,7 @@ from z2r.reading.breaks import BreakMode, break_mode
 from z2r.reading.decode import Decoded, decode
 from z2r.reading.goal import Goal
 from z2r.reading.inspection import Inspection, Outcome, beginning, outcome_of
+from z2r.reading.joints import Place
 from z2r.reading.reading import Reading
 from z2r.reading.scene import Scene
 from z2r.reading.stored import StoredSuccess
@@ -125,19 +126,13 @@ class Content:
 
     @cached_property
     def charts(self) -> list[Chart]:
-        """A chart for every column; a joint and the command that says where it is to be are in one."""
-        commands = (
-            {(feature, column): dim for dim, feature, column, *_ in pairs_of(self.schema, self.inspection.reading)}
-            if self._action_is_a_place
-            else {}
-        )
-        charts = [
-            self._chart(feature, dim, commands.get((feature, dim)))
-            for feature in self.frames
-            for dim in range(self.schema.features[feature].size)
-            if feature != ACTION or dim not in commands.values()
-        ]
-        return sorted(charts, key=lambda chart: chart.measured is None or chart.command is None)
+        """A chart for every column; a joint and the command that says where it is to be are in one, and come first."""
+        pairs = pairs_of(self.schema, self.inspection.reading) if self._action_is_a_place else ()
+        commands = {(pair.feature, pair.column): (ACTION, pair.dim) for pair in pairs}
+        places = [(name, dim) for name in self.frames for dim in range(self.schema.features[name].size)]
+        together = [self._chart(place, commands[place]) for place in places if place in commands]
+        alone = [place for place in places if place not in commands and place not in commands.values()]
+        return together + [self._chart(*((None, at) if at[0] == ACTION else (at, None))) for at in alone]
 
     @property
     def _action_is_a_place(self) -> bool:
@@ -148,22 +143,17 @@ class Content:
         kinds = [driven.kind for driven in self.inspection.action]
         return kinds.count("target") >= sum(kind not in ("target", "unknown") for kind in kinds)
 
-    def _chart(self, feature: str, dim: int, command: int | None) -> Chart:
+    def _chart(self, measured: Place | None, command: Place | None) -> Chart:
+        places = [place for place in (measured, command) if place]
+        (feature, dim), reading = places[0], self.inspection.reading
         label = self.schema.features[feature].labels[dim]
-        reading = self.inspection.reading
-        unit = reading.meaning(feature, label).unit if reading else ""
-        places = [(feature, dim)] if command is None else [(feature, dim), (ACTION, command)]
         ends = [self._ends(*place) for place in places]
         return Chart(
-            group=feature if command is None else f"{feature} and {ACTION}",
+            group=" and ".join(name for name, _ in places),
             name=label,
-            unit=unit,
-            measured=None if feature == ACTION else self.place(feature, dim),
-            command=self.place(feature, dim)
-            if feature == ACTION
-            else None
-            if command is None
-            else self.place(ACTION, command),
+            unit=reading.meaning(feature, label).unit if reading else "",
+            measured=self.place(*measured) if measured else None,
+            command=self.place(*command) if command else None,
             low=min(low for low, _ in ends),
             high=max(high for _, high in ends),
         )

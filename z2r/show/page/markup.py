@@ -10,6 +10,7 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
+from z2r.audits.audit import Audit
 from z2r.audits.findings import Finding
 from z2r.check import SEVERITIES
 from z2r.errors import count, printable
@@ -48,6 +49,7 @@ def render(content: Content) -> str:
         about=_about(content.inspection),
         switch="".join(_switch(view, content) for view in content.views) if len(content.views) > 1 else "",
         answers="".join(_answer(view, content) for view in content.views),
+        audited=_audited(content.audit),
         left_out=f'<p class="note">{content.left_out}</p>' if content.left_out else "",
         kind="" if _has_poses(content) else "filmed" if content.films else "plain",
         player=_player(content),
@@ -273,18 +275,28 @@ def _key(content: Content, reading: Reading) -> str:
     return "".join(f'<li><i class="swatch {kind}"></i>{escape(label)}</li>' for kind, label in swatches)
 
 
+def _audited(audit: Audit | None) -> str:
+    """Say at the top how much was found, the worst first; nothing where nobody looked."""
+    tally = Counter(each.severity for each in audit.findings) if audit else Counter()
+    said = " ".join(
+        f'<span class="{severity}"><span class="badge">{count(tally[severity], severity)}</span></span>'
+        for severity in SEVERITIES
+        if tally[severity]
+    )
+    return f'<p class="audited">{said} <a href="#findings-title">What the audit found</a></p>' if audit else ""
+
+
 def _findings(content: Content) -> str:
     """List what the audit found, the worst first, and what it did not look at."""
     audit = content.audit
     if audit is None:
         return '<p class="note">Nobody has looked for faults here: <code>z2r audit</code> does.</p>'
     found = sorted(audit.findings, key=lambda each: SEVERITIES.index(each.severity))
-    tally = Counter(each.severity for each in found)
-    counts = ", ".join(count(tally[severity], severity) for severity in SEVERITIES if tally[severity])
-    more = [f"{check}: {number:,} more like it" for check, number in audit.more.items()]
+    said = [] if found else ["Nothing is wrong, as far as was checked"]
+    said += [f"{check}: {number:,} more like it" for check, number in audit.more.items()]
     return fill(
         "findings.html",
-        counts=escape("; ".join([counts or "Nothing is wrong, as far as was checked", *more])) + ".",
+        said=f'<p class="note">{escape("; ".join(said))}.</p>' if said else "",
         findings="".join(_finding(each, content) for each in found),
         open="" if found else " open",
         n_not_checked=f"{len(audit.not_checked)}",
@@ -379,9 +391,9 @@ def _dimension_rows(name: str, inspection: Inspection) -> list[str]:
             "dimension.html",
             name=escape(printable(label)),
             unit=escape(printable(meaning.unit)),
-            low=f"{low[i]:.3f}",
-            mean=f"{ranges.mean[i]:.3f}",
-            high=f"{high[i]:.3f}",
+            low=f"{low[i]:z.3f}",
+            mean=f"{ranges.mean[i]:z.3f}",
+            high=f"{high[i]:z.3f}",
             bar=range_bar(low[i], ranges.mean[i], high[i], scale),
         )
         for i, (label, meaning) in enumerate(meanings)

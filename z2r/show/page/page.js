@@ -161,10 +161,13 @@ function go(hash) {
 }
 
 function follow(event) {
-  const link = event.target.closest("a[href^='#episode=']") ?? event.target.closest("tr[data-episode]")?.querySelector("a");
+  const row = event.target.closest("tr[data-episode]");
+  const link = event.target.closest("a[href^='#episode=']") ?? row?.querySelector("a");
   if (!link) return;
   event.preventDefault();
-  if (go(link.getAttribute("href"))) byId("player").scrollIntoView({ block: "nearest" });
+  if (!go(link.getAttribute("href"))) return;
+  byId("player").scrollIntoView({ block: "nearest" });
+  byId("frame").focus({ preventScroll: true }); // so that the next key means its frames
 }
 
 // --- traces --------------------------------------------------------------------------------------------------------
@@ -176,7 +179,7 @@ function svg(name, attributes = {}, ...children) {
   return element;
 }
 
-/** Draw lines over an episode on one scale, in percent of the height, with the band of values that are within limits. */
+/** Draw lines over an episode on one scale, in percent of the height, with the band that is within limits. */
 function makeTrace(figure, label, kinds) {
   const shade = svg("rect", { class: "band", width: "100%" });
   const lines = kinds.map((kind) => svg("polyline", { class: `line ${kind}` }));
@@ -185,7 +188,8 @@ function makeTrace(figure, label, kinds) {
   const stretched = svg("svg", { viewBox: "0 0 100 100", preserveAspectRatio: "none" }, ...lines);
   const [axis, marks] = [svg("g", { class: "axis" }), svg("g")];
   const hover = svg("line", { class: "hover", y1: 0, y2: "100%", visibility: "hidden" });
-  const plot = svg("svg", { class: "plot", role: "img", "aria-label": label }, axis, shade, marks, stretched, hover, cursor, ...dots);
+  const parts = [axis, shade, marks, stretched, hover, cursor, ...dots];
+  const plot = svg("svg", { class: "plot", role: "img", "aria-label": label }, ...parts);
   const readout = document.createElement("output");
   const area = document.createElement("div");
   area.className = "area";
@@ -216,17 +220,7 @@ function makeTrace(figure, label, kinds) {
       const [from, to] = band ?? [bottom, bottom];
       shade.setAttribute("y", `${scale(to)}%`);
       shade.setAttribute("height", `${scale(from) - scale(to)}%`);
-      const levels = (top > bottom ? [top, bottom] : [top]).filter((value) => Math.abs(scale(value) - scale(edge ?? NaN)) > 15 || edge === null);
-      if (edge !== null) levels.push(edge);
-      const across = (value) => svg("line", { class: "zero", x2: "100%", y1: `${scale(value)}%`, y2: `${scale(value)}%` });
-      axis.replaceChildren(
-        ...(bottom < 0 && top > 0 ? [across(0)] : []),
-        ...levels.map((value) => text(short(value), { class: "level", x: -6, y: `${scale(value)}%`, dy: "0.35em" })),
-        ...(edge === null ? [] : [text(said, { class: "limit", dx: 5, y: `${scale(edge)}%`, dy: -4 })]),
-        ...ticks((nFrames() - 1) / page.fps).map((second, i) =>
-          text(i ? second : `${second} s`, { class: "tick", x: place(second * page.fps), y: "100%", dy: 14 }),
-        ),
-      );
+      axis.replaceChildren(...axisParts({ scale, place, bottom, top, edge, said, values: values[0] }));
       const [first, last] = span();
       marks.replaceChildren(
         ...page.findings
@@ -246,6 +240,28 @@ function makeTrace(figure, label, kinds) {
       });
     },
   };
+}
+
+/** The zero line, the ends of the scale, the edge of a goal with what it says, and round seconds. */
+function axisParts({ scale, place, bottom, top, edge, said, values }) {
+  const far = (value) => Math.abs(scale(value) - scale(edge));
+  const ends = top > bottom ? [top, bottom] : [top];
+  const levels = edge === null ? ends : [...ends.filter((end) => far(end) > 15), edge];
+  const digits = Math.min(Math.max(2 - Math.floor(Math.log10(top - bottom || 1)), 0), 9);
+  const parts = levels.map((value) =>
+    text(Number(value.toFixed(digits)) + 0, { class: "level", x: -6, y: `${scale(value)}%`, dy: "0.35em" }),
+  );
+  const zero = `${scale(0)}%`;
+  if (bottom < 0 && top > 0) parts.unshift(svg("line", { class: "zero", x2: "100%", y1: zero, y2: zero }));
+  if (edge !== null) {
+    // At the end where the line is out of the way.
+    const [side, x, dx] = far(values[0]) >= far(values.at(-1)) ? ["left", 0, 5] : ["right", "100%", -4];
+    parts.push(text(said, { class: `limit ${side}`, x, dx, y: `${scale(edge)}%`, dy: -4 }));
+  }
+  for (const second of ticks((nFrames() - 1) / page.fps)) {
+    parts.push(text(second || "0 s", { class: "tick", x: place(second * page.fps), y: "100%", dy: 14 }));
+  }
+  return parts;
 }
 
 function text(content, attributes) {
@@ -370,7 +386,7 @@ function arrow(at) {
 // Half the width of the picture, in the unit of the positions.
 const reach = scene ? 410 / Number(/scale\(([^ ]+)/.exec(scene.querySelector("g").getAttribute("transform"))[1]) : 1;
 
-// --- every dimension: a joint and its command in one chart ------------------------------------------------------------
+// --- every dimension: a joint and its command in one chart -----------------------------------------------------------
 
 let charts = [];
 
@@ -429,7 +445,7 @@ function turnPage(step) {
   chooseFrame(now.frame);
 }
 
-// --- the cameras ------------------------------------------------------------------------------------------------------
+// --- the cameras -----------------------------------------------------------------------------------------------------
 
 const films = all(".camera").map((figure, i) => makeFilm(figure, page.cameras[i]));
 
@@ -440,7 +456,7 @@ function makeFilm(figure, { clips, missing }) {
   const why = () => {
     if (!clips[loaded]) return missing;
     if (video.error) return `This browser cannot play the clip: ${video.error.message || "its codec is unknown here"}.`;
-    return inClip() ? "" : `The page has room for the first ${clips[loaded][2].toLocaleString("en")} frames of this clip only.`;
+    return inClip() ? "" : `Of this clip, the page has room for the first ${clips[loaded][2]} frames only.`;
   };
   let frame = 0; // of the episode
   const inClip = () => clips[loaded] && !video.error && frame < clips[loaded][2];
@@ -456,7 +472,8 @@ function makeFilm(figure, { clips, missing }) {
       if (episode !== loaded) {
         loaded = episode;
         if (video.src) URL.revokeObjectURL(video.src);
-        if (clips[episode]) video.src = URL.createObjectURL(new Blob([bytesOf(clips[episode][0])], { type: "video/mp4" }));
+        const clip = clips[episode] && new Blob([bytesOf(clips[episode][0])], { type: "video/mp4" });
+        if (clip) video.src = URL.createObjectURL(clip);
         else video.removeAttribute("src");
       }
       tell();
