@@ -47,8 +47,8 @@ class Elements(HTMLParser):
         self.text[kind] = self.text.get(kind, "") + data
 
 
-def write(dataset: z2r.Dataset, tmp_path: Path) -> str:
-    z2r.write_report(dataset, tmp_path / "report.html")
+def write(dataset: z2r.Dataset, tmp_path: Path, **how: Any) -> str:
+    z2r.write_report(dataset, tmp_path / "report.html", **how)
     return (tmp_path / "report.html").read_text()
 
 
@@ -74,19 +74,18 @@ def test_the_html_says_what_metrics_json_says_under_every_reading(root, n_episod
     assert facts["episodes"] == f"{metrics['n_episodes']}"
     assert facts["frames"] == f"{metrics['n_frames']:,}"
     assert facts["on average"] == f"{metrics['mean_episode_length']:.1f}"
-    lengths = re.findall(r'<tr><th scope="row">\d+</th><td>[\d,]+</td><td>(\d+)</td>', page)
+    lengths = re.findall(r'<th scope="row"><a.*?>\d+</a></th><td>[\d,]+</td><td>(\d+)</td>', page)
     assert lengths[: len(dataset.episodes)] == [f"{length}" for length in metrics["episode_lengths"]]
 
 
 def test_every_dimension_has_its_range(tmp_path):
     dataset = z2r.load(z2r.STANDIN)
-    rows = re.findall(
-        r'<tr><td>(.*?)</td><td class="number">(.*?)</td><td class="number">(.*?)</td>', write(dataset, tmp_path)
-    )
+    number = '<td class="number">(.*?)</td>'
+    rows = re.findall(rf"<tr><td>(.*?) <span>.*?</td>{3 * number}", write(dataset, tmp_path))
     values = np.concatenate([dataset.read("observation.state"), dataset.read("action")], axis=1)
     names = [name for feature in dataset.schema.signals().values() for name in feature.dim_names]
-    low, high = values.min(axis=0), values.max(axis=0)
-    assert rows == [(name, f"{a:.3f}", f"{b:.3f}") for name, a, b in zip(names, low, high, strict=True)]
+    sums = values.min(axis=0), values.mean(axis=0, dtype=np.float64), values.max(axis=0)
+    assert rows == [(name, *(f"{value:.3f}" for value in each)) for name, *each in zip(names, *sums, strict=True)]
 
 
 def test_the_page_is_one_file_that_names_no_other(tmp_path):
@@ -94,7 +93,10 @@ def test_the_page_is_one_file_that_names_no_other(tmp_path):
     assert len(page) < 400_000
     elements = Elements(page)
     names = {name for _, attributes in elements.elements for name in attributes}
-    assert not names & {"src", "href", "style", "srcdoc"}
+    assert not names & {"src", "style", "srcdoc"}
+    links = [attributes["href"] for _, attributes in elements.elements if "href" in attributes]
+    assert links
+    assert all(link.startswith("#episode=") for link in links)
     assert not [name for name in names if name.startswith("on")]
     assert "@import" not in elements.text["style"]
 
@@ -103,6 +105,7 @@ def test_the_policy_lets_nothing_run_but_the_script_and_the_style_of_the_page(tm
     elements = Elements(write(z2r.load(z2r.STANDIN), tmp_path))
     [policy] = [a["content"] for tag, a in elements.elements if a.get("http-equiv") == "Content-Security-Policy"]
     directives = dict(directive.strip().split(" ", 1) for directive in policy.split(";"))
+    assert directives.pop("media-src") == "blob:"  # the clips, which are in the page
     assert directives.pop("default-src") == directives.pop("base-uri") == directives.pop("form-action") == "'none'"
     for name, text in (("script-src", elements.text["script"]), ("style-src", elements.text["style"])):
         digest = base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
@@ -141,7 +144,7 @@ def test_names_of_a_dataset_are_never_taken_for_markup(standin_copy, tmp_path):
 def test_a_large_dataset_leaves_episodes_out_and_says_which(tmp_path, monkeypatch):
     root = tmp_path / "many"
     lay_out(root, [5] * 700, files=[300, 400], shards=[700])
-    monkeypatch.setattr(report, "_MAX_FRAME_BYTES", (12 + 10) * 4 * 52)
+    monkeypatch.setattr(report, "_MAX_BYTES", (12 + 10) * 4 * 52)
     dataset = z2r.load(root)
     written = z2r.write_report(dataset, tmp_path / "report.html")
     page = (tmp_path / "report.html").read_text()
@@ -156,7 +159,7 @@ def test_a_large_dataset_leaves_episodes_out_and_says_which(tmp_path, monkeypatc
 def test_of_an_episode_that_is_too_long_the_beginning_is_shown(tmp_path, monkeypatch):
     root = tmp_path / "long"
     lay_out(root, [90, 10], files=[2], shards=[2])
-    monkeypatch.setattr(report, "_MAX_FRAME_BYTES", (12 + 10) * 4 * 40)
+    monkeypatch.setattr(report, "_MAX_BYTES", (12 + 10) * 4 * 40)
     dataset = z2r.load(root)
     written = z2r.write_report(dataset, tmp_path / "report.html")
     assert (written.n_episodes, written.n_frames) == (1, 40)
@@ -244,7 +247,7 @@ def test_a_panel_is_the_page_in_a_frame_that_cannot_touch_the_notebook(tmp_path)
     panel = z2r.panel(dataset)
     [frame] = [attributes for tag, attributes in Elements(panel._repr_html_()).elements if tag == "iframe"]
     assert frame["sandbox"] == "allow-scripts"
-    assert frame["srcdoc"] == write(dataset, tmp_path)
+    assert frame["srcdoc"] == write(dataset, tmp_path, with_audit=False)
     assert panel._repr_html_() == z2r.panel(dataset)._repr_html_()
     [still] = [attributes for tag, attributes in Elements(panel._repr_html_()).elements if tag == "img"]
     assert base64.b64decode(still["src"].partition(",")[2]).decode() == panel.still

@@ -319,6 +319,8 @@ def write_report(
     path: str | os.PathLike[str],
     reading: Reading | None = None,
     progress: Progress = no_progress,
+    *,
+    with_audit: bool = True,
 ) -> Report:
     """Write a page that shows a dataset.
 
@@ -332,6 +334,8 @@ def write_report(
         What the columns mean; the one that ships and fits, unless given.
     progress : callable, optional
         Called with the number of frames done and the number of all, after each data file.
+    with_audit : bool, optional
+        Audit the dataset too, and show what was found.
 
     Raises
     ------
@@ -344,7 +348,8 @@ def write_report(
     reading = reading or choose_reading(dataset.schema)
     keep = reports.n_frames_in_report(dataset.schema, reading)
     inspection = inspect_dataset(dataset, reading=reading, progress=progress, keep=keep)
-    return reports.write_report(inspection, path, scene_of(inspection.reading))
+    found = audit(dataset, reading=reading) if with_audit else None
+    return reports.write_report(inspection, path, scene_of(inspection.reading), found)
 
 
 def panel(dataset: Dataset | str | os.PathLike[str], reading: Reading | None = None) -> Panel:

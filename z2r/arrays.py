@@ -56,3 +56,18 @@ def reduce_parts[T: np.generic](function: np.ufunc, values: NDArray[T], starts: 
     pairs = np.stack([starts, np.minimum(stops, len(values) - 1)], axis=1).ravel()
     parts: NDArray[T] = function(function.reduceat(values, pairs, axis=0)[::2], values[stops - 1])
     return parts
+
+
+def sum_parts(values: Array, starts: Ints, stops: Ints) -> Floats:
+    """Add up the rows of all parts of an array, which may overlap or leave gaps: float64[size].
+
+    Examples
+    --------
+    >>> sum_parts(np.array([[5], [3], [8], [1]]), starts=np.array([0, 1]), stops=np.array([3, 4]))
+    array([28.])
+    """
+    if np.array_equal(stops[:-1], starts[1:]):  # one after another: far quicker, and the common case
+        starts, stops = starts[:1], stops[-1:]
+    sums = [values[start:stop].sum(axis=0, dtype=np.float64) for start, stop in zip(starts, stops, strict=True)]
+    total: Floats = np.sum(sums, axis=0)
+    return total

@@ -410,7 +410,8 @@ def _write_replay(inspection: "Inspection", path: Path, screen: "Console", episo
     metavar="FILE.html",
     help="The page to write.",
 )
-def report(dataset: Path | None, *, reading: "Reading | None", out: Path) -> None:
+@click.option("--audit/--no-audit", "with_audit", default=True, help="Show what is wrong with it. [default: audit]")
+def report(dataset: Path | None, *, reading: "Reading | None", out: Path, with_audit: bool) -> None:
     """Write a page that shows a dataset: play an episode, step through it, read it wrong and watch what happens.
 
     DATASET is named as for `z2r inspect`. It is never written to.
@@ -427,7 +428,7 @@ def report(dataset: Path | None, *, reading: "Reading | None", out: Path) -> Non
     _announce(screen, "report", data)
     try:
         with progress("reading", "frames", quiet=False) as move:
-            written = write_report(data, out, reading, move)
+            written = write_report(data, out, reading, move, with_audit=with_audit)
     except ValueError as error:
         raise click.UsageError(f"--out: {error}") from None
     screen.print(f"wrote {written.path}: open it in a browser", soft_wrap=True)

@@ -23,6 +23,8 @@ class Fault(NamedTuple):
         What to do about it: a command where there is one; empty where nothing better can be said than what is expected.
     episodes : tuple of int
         The `episode_index` of every episode that it is about; empty where it is about none of them in particular.
+    frame : int or None
+        The `index` of the frame where it is worst, or seen first; None where it is in no frame in particular.
 
     Examples
     --------
@@ -36,6 +38,7 @@ class Fault(NamedTuple):
     expected: object
     mend: str = ""
     episodes: tuple[int, ...] = ()
+    frame: int | None = None
 
     def below(self, root: Path) -> "Fault":
         """Return the fault with its path, which is relative to the dataset, below `root`."""

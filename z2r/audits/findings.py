@@ -32,6 +32,8 @@ class Finding(msgspec.Struct, frozen=True):
         What to do about it.
     episodes : tuple of int
         The `episode_index` of every episode that it is about; empty where it is about none of them in particular.
+    frame : int or None
+        The `index` of the frame where it is worst, or seen first; None where it is in no frame in particular.
 
     Examples
     --------
@@ -47,6 +49,7 @@ class Finding(msgspec.Struct, frozen=True):
     expected: str
     mend: str
     episodes: tuple[int, ...] = ()
+    frame: int | None = None
 
     def __str__(self) -> str:
         where = ": ".join(filter(None, [self.file, self.field]))
@@ -58,7 +61,7 @@ def finding(check: Check, answer: Answer) -> Finding:
     """Name what a check answers."""
     severity, fault = (check.severity, answer) if isinstance(answer, Fault) else answer
     place, field, found, expected = (short(part) for part in (fault.path.as_posix(), *fault[1:4]))
-    return Finding(check.name, severity, place, field, found, expected, fault.mend, fault.episodes)
+    return Finding(check.name, severity, place, field, found, expected, fault.mend, fault.episodes, fault.frame)
 
 
 def failed(what: str, error: Exception) -> Finding:

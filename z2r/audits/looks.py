@@ -32,15 +32,14 @@ _LITTLE = 0.25  # of what a change usually takes
 
 # Of decoded pictures, from 0 to 255.
 _ONE_COLOUR = 3  # of standard deviation, at most
-_NOISE, _TOUCH = 4, 16  # what a cell may change by when the same picture is encoded again: mostly, and at times
+_NOISE = 8  # what a cell changes by when the same picture is encoded again: measured, 7 and at times 24 at most
 _SAME_VIEW, _SAME_CELL = 1.5, 16  # what cells differ by, and one of them, when the same picture is encoded twice
 _DARK = 24
 _NO_SIGNAL = 1.2  # of grain: white noise has 1.41, and one pixel of a picture of something is much like the next
 
-_SLOW, _FITFUL = (
-    0.2,
-    0.4,
-)  # of the robot's way, and of the steps while it moves: between pictures that stay and others that change
+_AGAIN = 4  # what a cell changes by, mostly, when the same picture is encoded again
+_SLOW = 0.2  # of the robot's way
+_FITFUL = 0.4  # of the steps while it moves: between pictures that stay and others that change
 
 _MOSTLY = 0.5  # of the robot's way
 _TINY = 1e-9  # of it
@@ -179,8 +178,8 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, way_of
         blank[row] = not flat[row] and glance.spread.min() <= _ONE_COLOUR
         if moves[row] and row in way_of and not flat[row]:
             way = np.diff(np.interp(glance.frame, *way_of[row]))
-            rests = _is_still(glance.peak)
-            share[row] = _longest(way, rests) / max(way.sum(), _TINY)
+            rests = glance.peak <= _AGAIN
+            share[row] = _longest(way, glance.peak <= _NOISE) / max(way.sum(), _TINY)
             still[row] = share[row] >= _MOSTLY
             again[row] = (way * rests).sum() / max(way.sum(), _TINY)
             slow[row] = again[row] >= _SLOW and np.diff(rests[way >= way.mean() / 2]).mean() >= _FITFUL
@@ -200,13 +199,6 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, way_of
         mend="",
         fits=fits,
     )
-
-
-def _is_still(peak: Floats) -> Bools:
-    """Tell of each step whether the picture stays the same; an encoder may touch it up in between."""
-    still = peak <= _NOISE
-    still[1:-1] |= still[:-2] & still[2:] & (peak[1:-1] <= _TOUCH)
-    return still
 
 
 def _longest(way: Floats, still: Bools) -> float:

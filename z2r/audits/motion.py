@@ -29,6 +29,7 @@ _STALL = 6  # times the steps thereafter
 _NOISE = 3  # times the usual standard deviation
 _NOISE_A_FRAME = 3.57  # what third differences of white noise come to, on average: sqrt(20 * 2 / pi)
 _ALTERNATES = -0.4  # of the squares: white noise comes to -0.75, and motion to more than 0
+_MOVES = 0.3  # of the usual way
 _ROUGH = 3  # times as rough as usual for its speed
 _REPEATED = 0.25  # of the frames: half of them, where a sensor is read at half the rate
 _SOME_REPEATED, _FEW_REPEATED = 0.04, 0.01  # of the frames, where the other episodes have few
@@ -142,7 +143,8 @@ def no_episode_is_noisier(runs: Runs) -> Iterator[Answer]:
     long = (runs.n_frames >= MIN_FRAMES)[:, None]
     for name, steps in runs.steps.items() if long.any() else ():
         size = steps.noise / (_NOISE_A_FRAME * runs.n_frames[:, None])
-        usual = _quarter(size[long[:, 0]])
+        moves = long & (steps.path > _MOVES * _median(steps.path))  # at rest, a sensor is quieter than in motion
+        usual = _quarter_of(size, moves)
         with np.errstate(divide="ignore", invalid="ignore"):
             rough = np.nan_to_num(size * runs.n_frames[:, None] / steps.path)
         alternates = steps.alternates < _ALTERNATES * steps.jerks
@@ -344,6 +346,13 @@ def _quarter(values: Floats) -> Floats:
     """Return what a quarter of the episodes stay below, for each column: a fault in half of them does not shift it."""
     quarter: Floats = np.quantile(values, 0.25, axis=0, method="lower")
     return quarter
+
+
+def _quarter_of(values: Floats, where: Bools) -> Floats:
+    """Return the same of those episodes that count; 0 where none does."""
+    counting = np.where(where, values, np.inf)
+    quarter: Floats = np.sort(counting, axis=0)[(where.sum(axis=0) - 1).clip(0) // 4, np.arange(values.shape[1])]
+    return np.where(np.isfinite(quarter), quarter, 0.0)
 
 
 def _median(values: Floats) -> Floats:

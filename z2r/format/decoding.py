@@ -1,6 +1,6 @@
 """What do pictures look like? Some are decoded, and made so small that those of many episodes fit into memory.
 
-Needs PyAV, the extra ``video``.
+And what is a part of a video by itself? It is cut out and not encoded again. Both need PyAV, the extra ``video``.
 """
 
 import importlib.util
@@ -106,6 +106,85 @@ def decode_video(root: Path, path: Path, index: VideoIndex, wanted: Ints) -> Ite
                         yield number, _small(frame, reformatter)
     except (FFmpegError, OSError) as error:
         raise _undecodable(whole, "", error) from None
+
+
+class Cut(NamedTuple):
+    """Which pictures of a video a clip is made of.
+
+    Attributes
+    ----------
+    key, first, end : int
+        It begins with picture `key`, since the `first` one that is wanted cannot be decoded without it, and goes to the
+        one before `end`.
+    """
+
+    key: int
+    first: int
+    end: int
+
+
+def plan_cut(index: VideoIndex, start: float, stop: float, max_bytes: int) -> tuple[Cut, int]:
+    """Plan a clip of the pictures from one time to another [s], or of as many of the first ones as there is room for.
+
+    Returns
+    -------
+    cut : Cut
+        Where nothing is shown at that time, or there is no room, its `end` is its `first`.
+    n_bytes : int
+        How many bytes its pictures take.
+    """
+    half = 0.5 / (index.fps or 1)
+    first, end = np.searchsorted(index.times, (start - half, stop - half)).tolist()
+    key = int(np.flatnonzero(index.is_key[: first + 1])[-1]) if index.is_key[: first + 1].any() else first
+    sizes = np.cumsum(index.sizes[key:end])
+    end = max(first, key + int(np.searchsorted(sizes, max_bytes, side="right")))
+    return Cut(key, first, end), int(sizes[end - key - 1]) if end > first else 0
+
+
+def cut_clip(root: Path, path: Path, index: VideoIndex, cut: Cut) -> bytes:
+    """Cut a clip out of a video, with the same bytes: an mp4 of its own that begins with picture `cut.key` at 0 s.
+
+    Parameters
+    ----------
+    root, path : Path
+        The dataset, and the video relative to it.
+    index : VideoIndex
+        What the video says of itself.
+    cut : Cut
+        Of `plan_cut`.
+
+    Raises
+    ------
+    DatasetError
+        If the video cannot be taken apart.
+    """
+    from av import FFmpegError
+    from av import open as open_container
+
+    whole, made = inside(root, path), io.BytesIO()
+    try:
+        with (
+            open_mapped(whole) as bytes_of_it,
+            open_container(bytes_of_it, format="mp4") as file,
+            open_container(made, "w", format="mp4", options={"fflags": "bitexact"}) as clip,
+        ):
+            stream = file.streams.video[0]
+            copy = clip.add_stream_from_template(stream)
+            unit = float(stream.time_base or 1)  # s
+            begin, after = round(index.times[cut.key] / unit), round(index.times[cut.end - 1] / unit)
+            file.seek(begin, stream=stream)
+            for packet in file.demux(stream):
+                # Packets come in the order of decoding: whatever a picture needs has come before its own time.
+                if packet.pts is None or packet.dts is None or packet.dts > after:
+                    break
+                if packet.pts < begin:
+                    continue
+                packet.pts, packet.dts = packet.pts - begin, packet.dts - begin
+                packet.stream = copy
+                clip.mux(packet)
+    except (FFmpegError, OSError, ValueError) as error:
+        raise _undecodable(whole, "", error) from None
+    return made.getvalue()
 
 
 def decode_images(root: Path, path: Path, feature: str, wanted: Ints) -> Iterator[tuple[int, Small]]:

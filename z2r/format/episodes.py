@@ -116,10 +116,8 @@ class EpisodeIndex:
 
         Examples
         --------
-        >>> EpisodeIndex(np.array([0, 3]), np.array([3, 8])).one(2)
-        Traceback (most recent call last):
-            ...
-        ValueError: found no episode 2, expected one of 0 to 1
+        >>> EpisodeIndex(np.array([0, 3]), np.array([3, 8])).one(1).from_index
+        array([3])
         """
         if number in self.numbers:
             return self.only(self.numbers == number)

@@ -145,17 +145,17 @@ def _spans(root: Path, name: str, template: str, shards: Sequence[Path]) -> Span
     return Spans(tuple(paths), file_number, *np.concatenate(spans, axis=1))
 
 
+def _film(span: Spans, row: Ints, after: Floats) -> Film:
+    needed, file_number = np.unique(span.file_number[row], return_inverse=True)
+    return Film(tuple(span.paths[number] for number in needed), file_number, span.start[row] + after)
+
+
 def _seconds(table: pa.Table, column: str, path: Path) -> Floats:
     values = vectors(table, column, (1,), path)[:, 0].astype(np.float64)
     if not (known := np.isfinite(values)).all():
         row = int(known.argmin())
         raise DatasetError(Fault(path, f"{column} in row {row}", values[row], "a number of seconds"))
     return values
-
-
-def _film(span: Spans, row: Ints, after: Floats) -> Film:
-    needed, file_number = np.unique(span.file_number[row], return_inverse=True)
-    return Film(tuple(span.paths[number] for number in needed), file_number, span.start[row] + after)
 
 
 def _checked_template(video_path: str | None) -> str:

@@ -11,7 +11,7 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from z2r.arrays import Array, Bools, Columns, Floats, Ints, Progress, no_progress, reduce_parts
+from z2r.arrays import Array, Bools, Columns, Floats, Ints, Progress, no_progress, reduce_parts, sum_parts
 from z2r.format.about import About, read_about
 from z2r.format.dataset import Dataset, map_files
 from z2r.format.episodes import DataFile, EpisodeIndex, parts_within
@@ -26,16 +26,19 @@ from z2r.reading.success import FrameErrors, frame_errors, in_tolerance
 
 @dataclass(frozen=True, eq=False)
 class Ranges:
-    """The smallest and the largest value of every dimension of one feature in each episode.
+    """The smallest and the largest value of every dimension of one feature in each episode, and the mean of all.
 
     Attributes
     ----------
     low, high : ndarray, (n_episodes, size of the feature)
         Of the dtype in the file.
+    mean : ndarray, float64[size of the feature]
+        Of all frames.
     """
 
     low: Array
     high: Array
+    mean: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,10 +248,12 @@ def inspect_dataset(
     fits = reading if reading and not missing else None
     ends = {"first": sums.first, "last": sums.last}
     levels = levels_of(np.concatenate([part.reward_levels for part in parts]))
+    total = {name: np.sum([part.total[name] for part in parts], axis=0) for name in sums.low}
+    n_frames = dataset.episodes.n_frames
     stored, stored_note = stored_success(schema, sums.high, sums.last, levels)
     return Inspection(
         dataset=dataset,
-        ranges={name: Ranges(sums.low[name], sums.high[name]) for name in sums.low},
+        ranges={name: Ranges(sums.low[name], sums.high[name], total[name] / n_frames) for name in sums.low},
         ends=ends,
         outcome=outcome_of(decode(ends[fits.decisive], fits, schema)) if fits and fits.goal else None,
         stored=stored,
@@ -306,6 +311,7 @@ class _FileSums:
     """What is kept of one data file."""
 
     sums: _EpisodeSums
+    total: dict[str, Floats]
     kept: Columns
     sample: Columns
     reward_levels: Floats
@@ -331,12 +337,13 @@ class _Fold:
             first={name: values[starts] for name, values in frames.items()},
             last={name: values[stops - 1] for name, values in frames.items()},
         )
+        total = {name: sum_parts(values, starts, stops) for name, values in frames.items()}
         # A copy: a slice would hold the whole file in memory.
         first_frames = {name: values[kept].copy() for name, values in frames.items()}
         _, starts, stops = parts_within(self.windows, file.from_index, file.to_index)
         rows = EpisodeIndex(starts, stops).frame_numbers
         sample = {name: frames[name][rows] for name in self.sampled}
-        return _FileSums(sums, first_frames, sample, levels_of(frames.get(REWARD, np.empty(0))))
+        return _FileSums(sums, total, first_frames, sample, levels_of(frames.get(REWARD, np.empty(0))))
 
 
 def _merge(parts: list[_EpisodeSums]) -> _EpisodeSums:

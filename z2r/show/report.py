@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 
+from z2r.audits.audit import Audit
 from z2r.format.schema import Schema
 from z2r.reading.inspection import Inspection
 from z2r.reading.reading import Reading
@@ -21,8 +22,8 @@ from z2r.show.page.content import n_frames_for, read_content
 from z2r.show.page.markup import render
 from z2r.show.page.pictures import scene as draw
 
-_MAX_FRAME_BYTES = 3_000_000  # of the frames in a page, which stays below 5 MB
-_MAX_FRAME_BYTES_IN_NOTEBOOK = 600_000  # what is shown in a notebook is saved in it
+_MAX_BYTES = 3_000_000  # of the frames and clips in a page, which stays below 5 MB
+_MAX_BYTES_IN_NOTEBOOK = 600_000  # what is shown in a notebook is saved in it
 _PANEL_HEIGHT = 1180  # pixels: down to the picture and its key
 _STILL_HEIGHT = 540
 
@@ -82,7 +83,9 @@ class Panel:
         )
 
 
-def write_report(inspection: Inspection, path: str | os.PathLike[str], scene: Scene | None = None) -> Report:
+def write_report(
+    inspection: Inspection, path: str | os.PathLike[str], scene: Scene | None = None, audit: Audit | None = None
+) -> Report:
     """Write a page that shows a dataset.
 
     Parameters
@@ -94,6 +97,8 @@ def write_report(inspection: Inspection, path: str | os.PathLike[str], scene: Sc
         The .html file to write. One that is there is replaced; folders that are missing are made.
     scene : Scene, optional
         What the bodies look like.
+    audit : Audit, optional
+        What is wrong with it.
 
     Raises
     ------
@@ -103,7 +108,7 @@ def write_report(inspection: Inspection, path: str | os.PathLike[str], scene: Sc
     path = Path(path)
     if path.resolve().is_relative_to(inspection.dataset.root.resolve()):
         raise ValueError(f"{path} is inside the dataset, which is never written to")
-    content = read_content(inspection, _MAX_FRAME_BYTES, scene)
+    content = read_content(inspection, _MAX_BYTES, scene, audit)
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(render(content), encoding="utf-8")
     return Report(path, len(content.shown), content.shown.n_frames, content.left_out)
@@ -119,7 +124,7 @@ def panel(inspection: Inspection, scene: Scene | None = None) -> Panel:
     scene : Scene, optional
         What the bodies look like.
     """
-    content = read_content(inspection, _MAX_FRAME_BYTES_IN_NOTEBOOK, scene)
+    content = read_content(inspection, _MAX_BYTES_IN_NOTEBOOK, scene)
     right, episodes = content.views[0], inspection.episodes
     reached = f", reached {content.destination}: {right.outcome.tally} ({content.source})" if right.outcome else ""
     stored = f", stored: {inspection.stored.says}" if inspection.stored else ""
@@ -130,9 +135,9 @@ def panel(inspection: Inspection, scene: Scene | None = None) -> Panel:
 
 def n_frames_in_report(schema: Schema, reading: Reading | None) -> int:
     """Say how many frames a page has room for."""
-    return n_frames_for(schema, reading, _MAX_FRAME_BYTES)
+    return n_frames_for(schema, reading, _MAX_BYTES)
 
 
 def n_frames_in_panel(schema: Schema, reading: Reading | None) -> int:
     """Say how many frames a page in a notebook has room for."""
-    return n_frames_for(schema, reading, _MAX_FRAME_BYTES_IN_NOTEBOOK)
+    return n_frames_for(schema, reading, _MAX_BYTES_IN_NOTEBOOK)

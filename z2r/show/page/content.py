@@ -1,4 +1,4 @@
-"""What goes into a page: the summary, the readings, and the frames that it has room for."""
+"""What goes into a page: the summary, the readings, what the audit found, and the frames that it has room for."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -6,11 +6,14 @@ from functools import cached_property
 import numpy as np
 
 from z2r.arrays import Bools, Columns, Ints
+from z2r.audits.audit import Audit
+from z2r.audits.following import pairs_of
 from z2r.errors import printable
 from z2r.format.dataset import Dataset
 from z2r.format.episodes import EpisodeIndex
-from z2r.format.schema import Schema
+from z2r.format.schema import ACTION, Schema
 from z2r.format.store import folder_name
+from z2r.format.videos import video_features
 from z2r.reading.bodies import Body, bodies_of
 from z2r.reading.breaks import BreakMode, break_mode
 from z2r.reading.decode import Decoded, decode
@@ -19,6 +22,7 @@ from z2r.reading.inspection import Inspection, Outcome, beginning, outcome_of
 from z2r.reading.reading import Reading
 from z2r.reading.scene import Scene
 from z2r.reading.stored import StoredSuccess
+from z2r.show.page.films import Film, read_films
 
 WRONG_READINGS = ("yaw-swap", "yaw-swap-everywhere", "drop-boundaries")
 
@@ -46,6 +50,33 @@ class View:
         return self.mode.name if self.mode else "right"
 
 
+@dataclass(frozen=True)
+class Chart:
+    """What one chart shows over time: a column, and where the action says where it is to be, that command.
+
+    Attributes
+    ----------
+    group : str
+        The feature, or the two, that it is from.
+    name : str
+        The dimension.
+    unit : str
+        Empty where nobody says.
+    measured, command : int or None
+        Which of the columns of the page.
+    low, high : float
+        The least and the greatest value in the dataset.
+    """
+
+    group: str
+    name: str
+    unit: str
+    measured: int | None
+    command: int | None
+    low: float
+    high: float
+
+
 @dataclass(frozen=True, eq=False)
 class Content:
     """What a page is made of: the summary, the views, and the frames of the episodes that it shows.
@@ -66,6 +97,10 @@ class Content:
         Their frames.
     left_out : str
         Which episodes are not there, in a sentence; empty where all are.
+    films : list of Film
+        What its cameras saw.
+    audit : Audit or None
+        What is wrong with it; None where nobody looked.
     """
 
     title: str
@@ -75,6 +110,8 @@ class Content:
     shown: EpisodeIndex
     frames: Columns
     left_out: str
+    films: list[Film]
+    audit: Audit | None
 
     @property
     def schema(self) -> Schema:
@@ -85,6 +122,55 @@ class Content:
     def columns(self) -> list[tuple[str, str]]:
         """Feature and dimension of every column of `frames`, in order."""
         return [(name, dim) for name in self.frames for dim in self.schema.features[name].labels]
+
+    @cached_property
+    def charts(self) -> list[Chart]:
+        """A chart for every column; a joint and the command that says where it is to be are in one."""
+        commands = (
+            {(feature, column): dim for dim, feature, column, *_ in pairs_of(self.schema, self.inspection.reading)}
+            if self._action_is_a_place
+            else {}
+        )
+        charts = [
+            self._chart(feature, dim, commands.get((feature, dim)))
+            for feature in self.frames
+            for dim in range(self.schema.features[feature].size)
+            if feature != ACTION or dim not in commands.values()
+        ]
+        return sorted(charts, key=lambda chart: chart.measured is None or chart.command is None)
+
+    @property
+    def _action_is_a_place(self) -> bool:
+        """Whether the action says where joints are to be: a reading says so, or else the data does not deny it."""
+        reading = self.inspection.reading
+        if reading and reading.action:
+            return reading.action.drives == "position"
+        kinds = [driven.kind for driven in self.inspection.action]
+        return kinds.count("target") >= sum(kind not in ("target", "unknown") for kind in kinds)
+
+    def _chart(self, feature: str, dim: int, command: int | None) -> Chart:
+        label = self.schema.features[feature].labels[dim]
+        reading = self.inspection.reading
+        unit = reading.meaning(feature, label).unit if reading else ""
+        places = [(feature, dim)] if command is None else [(feature, dim), (ACTION, command)]
+        ends = [self._ends(*place) for place in places]
+        return Chart(
+            group=feature if command is None else f"{feature} and {ACTION}",
+            name=label,
+            unit=unit,
+            measured=None if feature == ACTION else self.place(feature, dim),
+            command=self.place(feature, dim)
+            if feature == ACTION
+            else None
+            if command is None
+            else self.place(ACTION, command),
+            low=min(low for low, _ in ends),
+            high=max(high for _, high in ends),
+        )
+
+    def _ends(self, feature: str, dim: int) -> tuple[float, float]:
+        ranges = self.inspection.ranges[feature]
+        return float(ranges.low[:, dim].min()), float(ranges.high[:, dim].max())
 
     @cached_property
     def bodies(self) -> dict[str, Body]:
@@ -101,6 +187,23 @@ class Content:
         names = list(self.frames)
         before = names[: names.index(feature)]
         return sum(self.schema.features[name].size for name in before) + dim
+
+    def place_of(self, frame: int | None) -> tuple[int, int] | None:
+        """Find a frame by its `index`: the number of its episode, and which of its frames it is; None where none."""
+        episodes = self.inspection.dataset.episodes
+        if frame is None:
+            return None
+        inside = np.flatnonzero((episodes.from_index <= frame) & (frame < episodes.to_index))
+        return (episodes.number(inside[0]), int(frame - episodes.from_index[inside[0]])) if len(inside) else None
+
+    def shown_frame(self, frame: int | None) -> int | None:
+        """Say which of the frames that the page holds one is, by its `index`; None where it holds it not."""
+        place = self.place_of(frame)
+        if place is None or place[0] not in self.shown.numbers:
+            return None
+        episode = int(np.flatnonzero(self.shown.numbers == place[0])[0])
+        at = int(self.shown.from_index[episode]) + place[1]
+        return at if at < self.shown.to_index[episode] else None
 
     def label(self, pose: str) -> str:
         """Say what to call the body of a pose, or what a goal is about."""
@@ -129,9 +232,16 @@ class Content:
 
 
 def n_frames_for(schema: Schema, reading: Reading | None, max_bytes: int) -> int:
-    """Say how many frames, 4 bytes a number, fit into a page that shows what a reading makes of them; at least one."""
-    n_columns = sum(feature.size for feature in schema.signals().values()) + (_n_derived(reading) if reading else 0)
-    return max(max_bytes // (4 * n_columns), 1)
+    """Say how many frames, 4 bytes a number, fit into a page that shows what a reading makes of them; at least one.
+
+    Where there are videos, half of the room is theirs.
+    """
+    room = max_bytes // 2 if video_features(schema) else max_bytes
+    return max(room // (4 * _n_columns(schema, reading)), 1)
+
+
+def _n_columns(schema: Schema, reading: Reading | None) -> int:
+    return sum(feature.size for feature in schema.signals().values()) + (_n_derived(reading) if reading else 0)
 
 
 def _n_derived(reading: Reading) -> int:
@@ -144,7 +254,9 @@ def _n_derived(reading: Reading) -> int:
     return len(yaws) + len(goals)
 
 
-def read_content(inspection: Inspection, max_bytes: int, scene: Scene | None = None) -> Content:
+def read_content(
+    inspection: Inspection, max_bytes: int, scene: Scene | None = None, audit: Audit | None = None
+) -> Content:
     """Put together what a page shows.
 
     Parameters
@@ -152,17 +264,21 @@ def read_content(inspection: Inspection, max_bytes: int, scene: Scene | None = N
     inspection : Inspection
         From `z2r.reading.inspection.inspect_dataset`, which was asked to keep as many frames as `n_frames_for` says.
     max_bytes : int
-        How large the frames may be.
+        How large the frames and the clips of the cameras may be, together.
     scene : Scene, optional
         What the bodies look like.
+    audit : Audit, optional
+        What is wrong with the dataset.
     """
     dataset = inspection.dataset
     # Where a dataset was salvaged, there are other frames between its episodes: they stand side by side here.
     packed = replace(dataset, episodes=side_by_side(dataset.episodes))
-    room = n_frames_for(dataset.schema, inspection.reading, max_bytes) * 4 // dtype_of(inspection).itemsize
+    width = dtype_of(inspection).itemsize
+    room = n_frames_for(dataset.schema, inspection.reading, max_bytes) * 4 // width
     kept = inspection.shown.only(slice(MAX_EPISODES))
     shown = beginning(side_by_side(kept), max(room, 1))
     rows = kept.frame_numbers[: shown.n_frames]
+    left = max_bytes - shown.n_frames * width * _n_columns(dataset.schema, inspection.reading)
     return Content(
         title=printable(folder_name(dataset.root)),
         inspection=inspection,
@@ -171,6 +287,8 @@ def read_content(inspection: Inspection, max_bytes: int, scene: Scene | None = N
         shown=shown,
         frames={name: values[rows] for name, values in inspection.kept.items()},
         left_out=_left_out(dataset.episodes, shown),
+        films=read_films(inspection, shown, left),
+        audit=audit,
     )
 
 

@@ -3,26 +3,34 @@
 import base64
 import hashlib
 import math
+from collections import Counter
 from html import escape
 from pathlib import Path
 
 import msgspec
+import numpy as np
 
-from z2r.errors import printable
-from z2r.format.schema import ACTION
+from z2r.audits.findings import Finding
+from z2r.check import SEVERITIES
+from z2r.errors import count, printable
+from z2r.format.episodes import EpisodeIndex
+from z2r.format.schema import ACTION, STATE, Schema
 from z2r.reading.decode import Decoded
 from z2r.reading.goal import Goal
 from z2r.reading.inspection import Inspection, Outcome
-from z2r.reading.reading import Reading, locate
-from z2r.reading.stored import StoredSuccess
+from z2r.reading.reading import ColumnMeaning, Reading, locate
+from z2r.reading.stored import REWARD, SUCCESS, StoredSuccess
 from z2r.reading.success import frame_errors
 from z2r.show.page.content import Content, View
-from z2r.show.page.pictures import camera_of, fill, grid_text, ribbon, scene
+from z2r.show.page.films import Film
+from z2r.show.page.pictures import camera_of, fill, grid_text, range_bar, ribbon, scene
 from z2r.show.page.script_data import formulas, limit_text, script_data
 
 _FOLDER = Path(__file__).parent
 _MAX_EPISODE_ROWS = 100
 _MAX_SCHEMA_ROWS = 400
+_MAX_LINKS = 12  # to the episodes of one finding
+_LABELS = {"success": {*SUCCESS}, "reward": {REWARD}}  # the columns that could say what was reached
 
 
 def render(content: Content) -> str:
@@ -37,12 +45,16 @@ def render(content: Content) -> str:
         style=style,
         style_hash=_csp_hash(style),
         facts=_facts(content.inspection),
+        about=_about(content.inspection),
         switch="".join(_switch(view, content) for view in content.views) if len(content.views) > 1 else "",
         answers="".join(_answer(view, content) for view in content.views),
         left_out=f'<p class="note">{content.left_out}</p>' if content.left_out else "",
+        kind="" if _has_poses(content) else "filmed" if content.films else "plain",
         player=_player(content),
-        schema_rows=_schema_rows(content.inspection),
-        episode_tables="".join(_episode_table(view) for view in content.views),
+        findings=_findings(content),
+        facts_of_frames=_facts_of_frames(content.inspection),
+        schema=_schema(content.inspection),
+        episode_tables="".join(_episode_table(view, content) for view in content.views),
         data=_json(script_data(content)),
     )
 
@@ -68,8 +80,15 @@ def _facts(inspection: Inspection) -> str:
         "on average": f"{lengths.mean():,.1f}",
         "LeRobot format": escape(printable(schema.codebase_version)),
     }
-    facts |= {name: escape(printable("; ".join(lines))) for name, lines in inspection.about.lines.items()}
     return "".join(f"<div><dt>{name}</dt><dd>{value}</dd></div>" for name, value in facts.items())
+
+
+def _about(inspection: Inspection) -> str:
+    """List what the dataset says of itself: its robot, its tasks, its cameras."""
+    return "".join(
+        f"<div><dt>{kind}</dt>" + "".join(f"<dd>{escape(printable(line))}</dd>" for line in lines) + "</div>"
+        for kind, lines in inspection.about.lines.items()
+    )
 
 
 def _switch(view: View, content: Content) -> str:
@@ -139,22 +158,55 @@ def _note(view: View, reading: Reading) -> str:
     return f"Read off the {frame} frame of each episode, as the reading {reading.name} has it: is {said}?"
 
 
+def _has_poses(content: Content) -> bool:
+    return content.inspection.reading is not None and bool(content.inspection.reading.poses)
+
+
 def _player(content: Content) -> str:
-    """Show the last shown frame of the first episode: a picture where there are poses, else every dimension."""
+    """Show the last shown frame of the first episode: a picture where there are poses, and every dimension."""
+    commanded = any(chart.command is not None for chart in content.charts)
+    return fill(
+        "player.html",
+        stage=_stage(content),
+        side=_side(content),
+        commanded='<span><i class="swatch command"></i>command</span>' if commanded else "",
+    )
+
+
+def _stage(content: Content) -> str:
+    """Draw the world where a reading has one, and make room for the cameras."""
     reading = content.inspection.reading
-    if reading is None:
-        return fill("plots.html", side="")
+    world = ""
+    if reading and reading.poses:
+        world = f'{scene(content, reading, "scene")}<ul class="key">{_key(content, reading)}</ul>'
+    cameras = "".join(_camera(film) for film in content.films)
+    if not world + cameras:
+        return ""
+    return (
+        f'<div class="stage">{world}{f"""<div id="cameras" class="cameras">{cameras}</div>""" if cameras else ""}</div>'
+    )
+
+
+def _camera(film: Film) -> str:
+    """Make room for a camera, with what stands there as long as nothing plays."""
+    missing = film.missing if not film.clips else "It plays where scripts run."
+    parts = {"name": film.camera.name, "says": film.camera.says, "missing": missing}
+    return fill("camera.html", **{key: escape(printable(text)) for key, text in parts.items()})
+
+
+def _side(content: Content) -> str:
+    """List what a reading makes of the frame: its goals, its yaws, and the numbers that it reads."""
+    reading = content.inspection.reading
+    if reading is None or not (reading.goal or reading.poses):
+        return ""
     last = content.decoded(reading).take(slice(content.shown.to_index[0] - 1, content.shown.to_index[0]))
-    side = fill(
+    return fill(
         "side.html",
         number=str(content.shown.number(0)),
         traces=_traces(content, last),
         decoded=_decoded(content, last),
-        numbers=_numbers(content, reading) if reading.poses else "",  # else each has a plot
+        numbers=_numbers(content, reading) if reading.poses else "",  # else each has a chart
     )
-    if not reading.poses:
-        return fill("plots.html", side=side)
-    return fill("world.html", scene=scene(content, reading, "scene"), key=_key(content, reading), side=side)
 
 
 def _traces(content: Content, last: Decoded) -> str:
@@ -221,30 +273,152 @@ def _key(content: Content, reading: Reading) -> str:
     return "".join(f'<li><i class="swatch {kind}"></i>{escape(label)}</li>' for kind, label in swatches)
 
 
-def _schema_rows(inspection: Inspection) -> str:
-    rows = [row for name in inspection.schema.features for row in _feature_rows(name, inspection)]
-    more = len(rows) - _MAX_SCHEMA_ROWS
-    note = f'<tr><td colspan="3">and {more:,} more rows</td></tr>' if more > 0 else ""
-    return "".join(rows[:_MAX_SCHEMA_ROWS]) + note
+def _findings(content: Content) -> str:
+    """List what the audit found, the worst first, and what it did not look at."""
+    audit = content.audit
+    if audit is None:
+        return '<p class="note">Nobody has looked for faults here: <code>z2r audit</code> does.</p>'
+    found = sorted(audit.findings, key=lambda each: SEVERITIES.index(each.severity))
+    tally = Counter(each.severity for each in found)
+    counts = ", ".join(count(tally[severity], severity) for severity in SEVERITIES if tally[severity])
+    more = [f"{check}: {number:,} more like it" for check, number in audit.more.items()]
+    return fill(
+        "findings.html",
+        counts=escape("; ".join([counts or "Nothing is wrong, as far as was checked", *more])) + ".",
+        findings="".join(_finding(each, content) for each in found),
+        open="" if found else " open",
+        n_not_checked=f"{len(audit.not_checked)}",
+        not_checked="".join(f"<li>{escape(printable(each))}</li>" for each in audit.not_checked),
+    )
 
 
-def _feature_rows(name: str, inspection: Inspection) -> list[str]:
-    """Return a heading for a feature, and a row for each of its dimensions."""
-    feature = inspection.schema.features[name]
+def _finding(finding: Finding, content: Content) -> str:
+    """Say what is wrong, and link every episode that it is about; the frame that it names comes first."""
+    place = content.place_of(finding.frame)
+    links = [_link(content.shown, *place)] if place else []
+    others = [number for number in finding.episodes if not place or number != place[0]]
+    links += [_link(content.shown, number) for number in others[:_MAX_LINKS]]
+    more = f" and {len(others) - _MAX_LINKS:,} more" if len(others) > _MAX_LINKS else ""
+    parts = {
+        "check": finding.check,
+        "found": finding.found,
+        "expected": finding.expected,
+        "mend": f" {finding.mend}." if finding.mend else "",
+        "where": ": ".join(filter(None, [finding.file, finding.field])),
+    }
+    return fill(
+        "finding.html",
+        severity=finding.severity,
+        episodes=f'<p class="episodes">Episode {" ".join(links)}{more}</p>' if links else "",
+        **{key: escape(printable(text)) for key, text in parts.items()},
+    )
+
+
+def _link(shown: EpisodeIndex, number: int, frame: int | None = None) -> str:
+    """Name an episode, and a frame of it; as a link where the page holds them."""
+    said, to = f"{number}", f"#episode={number}"
+    if frame is not None:
+        said, to = f"{number}, frame {frame:,}", f"{to}&amp;frame={frame}"
+    return f'<a href="{to}">{said}</a>' if number in shown.numbers else said
+
+
+def _facts_of_frames(inspection: Inspection) -> str:
+    """Say what a policy is fitted to, and what the frames lack."""
+    schema, sentences = inspection.schema, []
+    if STATE in inspection.ranges and ACTION in inspection.ranges:
+        pairs = f"{inspection.episodes.n_frames:,} (state, action) pairs"
+        sentences.append(f"{pairs}: behaviour cloning fits state \u2192 action to exactly these rows.")
+    lacking = [what for what, names in _LABELS.items() if not schema.features.keys() & names]
+    if lacking:
+        sentences.append(f"There is no {' and no '.join(lacking)} column.")
+    return f'<p class="note">{" ".join(sentences)}</p>' if sentences else ""
+
+
+def _schema(inspection: Inspection) -> str:
+    """Return a table for each feature of numbers, up to a limit, and the list of the others."""
+    tables, n_rows = [], 0
+    for name in inspection.ranges:
+        rows = _dimension_rows(name, inspection)[: _MAX_SCHEMA_ROWS - n_rows]
+        n_rows += len(rows)
+        if rows:
+            tables.append(
+                fill(
+                    "schema.html",
+                    name=_heading(name, inspection.schema),
+                    rows="".join(rows),
+                    limits=_limits(name, inspection),
+                )
+            )
+    left = sum(len(ranges.mean) for ranges in inspection.ranges.values()) - n_rows
+    if left:
+        tables.append(f'<p class="note">and {left:,} more dimensions</p>')
+    others = "".join(
+        f"<li>{_heading(name, inspection.schema)}</li>"
+        for name in inspection.schema.features
+        if name not in inspection.ranges
+    )
+    return "".join(tables) + (f'<div class="feature"><h3>and</h3><ul>{others}</ul></div>' if others else "")
+
+
+def _heading(name: str, schema: Schema) -> str:
+    feature = schema.features[name]
     kind = feature.dtype if feature.shape == (1,) else f"{feature.dtype}[{', '.join(map(str, feature.shape))}]"
-    heading = f"{escape(printable(name))} <span>{escape(printable(kind))}</span>"
-    rows = [f'<tr class="feature"><th scope="colgroup" colspan="3">{heading}</th></tr>']
-    if name not in inspection.ranges:
-        return rows
-    ranges = inspection.ranges[name]
-    low, high = ranges.low.min(axis=0), ranges.high.max(axis=0)
-    cells = '<tr><td>{}</td><td class="number">{:.3f}</td><td class="number">{:.3f}</td></tr>'
-    return rows + [cells.format(escape(printable(dim)), low[i], high[i]) for i, dim in enumerate(feature.labels)]
+    return f"{escape(printable(name))} <span>{escape(printable(kind))}</span>"
 
 
-def _episode_table(view: View) -> str:
+def _dimension_rows(name: str, inspection: Inspection) -> list[str]:
+    """Return a row for each dimension: its range and mean as numbers, and as a bar on the scale of the feature."""
+    ranges, meanings = inspection.ranges[name], _meanings(name, inspection)
+    low, high = ranges.low.min(axis=0).astype(np.float64), ranges.high.max(axis=0).astype(np.float64)
+    limits = [end for _, each in meanings for end in (each.low, each.high) if end is not None]
+    ends = np.array([*low, *high, *limits])
+    ends = ends[np.isfinite(ends)]
+    scale = (float(ends.min()), float(ends.max())) if len(ends) else (0.0, 0.0)
+    return [
+        fill(
+            "dimension.html",
+            name=escape(printable(label)),
+            unit=escape(printable(meaning.unit)),
+            low=f"{low[i]:.3f}",
+            mean=f"{ranges.mean[i]:.3f}",
+            high=f"{high[i]:.3f}",
+            bar=range_bar(low[i], ranges.mean[i], high[i], scale),
+        )
+        for i, (label, meaning) in enumerate(meanings)
+    ]
+
+
+def _meanings(feature: str, inspection: Inspection) -> list[tuple[str, ColumnMeaning]]:
+    """Return the label of each dimension of a feature, and what is known of it."""
+    reading, labels = inspection.reading, inspection.schema.features[feature].labels
+    return [(label, reading.meaning(feature, label) if reading else ColumnMeaning()) for label in labels]
+
+
+def _limits(feature: str, inspection: Inspection) -> str:
+    """Say the limits that are declared, each once, with the dimensions that have them."""
+    within: dict[str, list[str]] = {}
+    for label, meaning in _meanings(feature, inspection):
+        if said := _limit(meaning):
+            within.setdefault(said, []).append(label)
+    verb = "clipped to" if feature == ACTION else "limits"
+    said = "; ".join(f"{', '.join(labels)}: {verb} {limit}" for limit, labels in within.items())
+    return f'<p class="note">{escape(printable(said))}</p>' if said else ""
+
+
+def _limit(meaning: ColumnMeaning) -> str:
+    low, high = meaning.low, meaning.high
+    if low is not None and high is not None:
+        said = f"\u00b1{high:g}" if low == -high else f"{low:g} to {high:g}"
+    elif low is None and high is None:
+        return ""
+    else:
+        said = f"at most {high:g}" if low is None else f"at least {low:g}"
+    return f"{said} {meaning.unit}".strip()
+
+
+def _episode_table(view: View, content: Content) -> str:
     episodes = view.episodes
-    rows = [_episode_row(view, episode) for episode in range(min(len(episodes), _MAX_EPISODE_ROWS))]
+    rows = [_episode_row(view, episode, content) for episode in range(min(len(episodes), _MAX_EPISODE_ROWS))]
     more = len(episodes) - len(rows)
     return fill(
         "episodes.html",
@@ -266,7 +440,7 @@ def _outcome_heads(view: View) -> str:
     return "".join(f"<th>{escape(head)}</th>" for head in heads)
 
 
-def _episode_row(view: View, episode: int) -> str:
+def _episode_row(view: View, episode: int, content: Content) -> str:
     episodes, outcome = view.episodes, view.outcome
     cells = [f"{episodes.from_index[episode]:,}", f"{episodes.lengths[episode]:,}"]
     if outcome:
@@ -275,5 +449,7 @@ def _episode_row(view: View, episode: int) -> str:
     if view.stored:
         cells += ["yes" if view.stored.any_frame[episode] else "no"]
     return (
-        f'<tr><th scope="row">{episodes.number(episode)}</th>' + "".join(f"<td>{cell}</td>" for cell in cells) + "</tr>"
+        f'<tr data-episode="{episode}"><th scope="row">{_link(content.shown, episodes.number(episode))}</th>'
+        + "".join(f"<td>{cell}</td>" for cell in cells)
+        + "</tr>"
     )

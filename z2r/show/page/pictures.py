@@ -8,6 +8,9 @@ from string import Template
 
 import numpy as np
 
+from z2r.arrays import Ints
+from z2r.check import SEVERITIES, Severity
+from z2r.format.episodes import EpisodeIndex
 from z2r.reading.bodies import Body
 from z2r.reading.decode import Decoded
 from z2r.reading.poses import Pose
@@ -66,8 +69,35 @@ def ribbon(view: View, content: Content) -> str:
         for episode, begin, end in zip(edges[:-1].tolist(), begins.tolist(), ends.tolist(), strict=True)
         if end - begin > _LABEL_PERCENT
     )
+    flags = "".join(
+        f'<rect class="flag {severity}" x="{begin:.3f}%" width="{end - begin:.3f}%" y="-12" height="4"/>'
+        for severity, begin, end in zip(_worst(content, episodes, edges), begins.tolist(), ends.tolist(), strict=True)
+        if severity
+    )
     role = f'role="img" aria-label="Episodes by length: {escape(_ribbon_says(view, content))}"'
-    return f'<svg class="ribbon" {role}>{bars}<rect class="here" y="-5" height="44" rx="4"/>{labels}</svg>'
+    return f'<svg class="ribbon" {role}>{flags}{bars}<rect class="here" y="-5" height="44" rx="4"/>{labels}</svg>'
+
+
+def _worst(content: Content, episodes: EpisodeIndex, edges: Ints) -> list[Severity | None]:
+    """Return how bad the worst finding about some episode of each segment is; None where there is none."""
+    findings = content.audit.findings if content.audit and len(episodes) == len(content.inspection.episodes) else ()
+    rank = np.full(len(episodes), len(SEVERITIES))
+    for finding in findings:
+        about = np.isin(episodes.numbers, finding.episodes)
+        rank[about] = np.minimum(rank[about], SEVERITIES.index(finding.severity))
+    worst = np.minimum.reduceat(rank, edges[:-1]).tolist()
+    return [SEVERITIES[place] if place < len(SEVERITIES) else None for place in worst]
+
+
+def range_bar(low: float, mean: float, high: float, scale: tuple[float, float]) -> str:
+    """Draw a range and its mean as a bar between the two ends of a scale; nothing where one of them is no number."""
+    width = scale[1] - scale[0]
+    if not (np.isfinite([low, mean, high]).all() and width > 0):
+        return ""
+    begin, middle, end = (100 * (value - scale[0]) / width for value in (low, mean, high))
+    bar = f'<rect class="span" x="{begin:.2f}%" width="{max(end - begin, 0.5):.2f}%" y="25%" height="50%" rx="2"/>'
+    bar += f'<rect class="mean" x="{middle:.2f}%" width="2" height="100%"/>'
+    return f'<svg class="range" aria-hidden="true">{bar}</svg>'
 
 
 def _ribbon_says(view: View, content: Content) -> str:

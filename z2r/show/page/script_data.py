@@ -15,7 +15,8 @@ from z2r.format.schema import ACTION
 from z2r.reading.decode import Decoded
 from z2r.reading.reading import Reading, locate
 from z2r.reading.success import frame_errors
-from z2r.show.page.content import Content, View, dtype_of
+from z2r.show.page.content import Chart, Content, View, dtype_of
+from z2r.show.page.films import Film
 
 LONGEST_PATH = 2000  # frames: of a longer one, this many are drawn, which any browser does between two frames
 
@@ -52,7 +53,31 @@ def script_data(content: Content) -> dict[str, Any]:
         "bytes": table.dtype.itemsize,
         "frames": table.encode(),
         "readings": readings,
+        "charts": [_chart_data(chart) for chart in content.charts],
+        "cameras": [_film_data(film) for film in content.films],
+        "findings": _findings_data(content),
     }
+
+
+def _chart_data(chart: Chart) -> dict[str, Any]:
+    names = {"group": printable(chart.group), "name": printable(chart.name), "unit": printable(chart.unit)}
+    series = {"measured": chart.measured, "command": chart.command}
+    ends = [end if np.isfinite(end) else None for end in (chart.low, chart.high)]  # JSON has no NaN
+    return {**names, "series": {kind: place for kind, place in series.items() if place is not None}, "ends": ends}
+
+
+def _film_data(film: Film) -> dict[str, Any]:
+    clips = [[base64.b64encode(clip.data).decode(), clip.offset, clip.n_frames] for clip in film.clips]
+    return {"missing": film.missing, "clips": clips}
+
+
+def _findings_data(content: Content) -> list[dict[str, Any]]:
+    """Where to put the marks: of each finding its episodes, and its frame, counted from the first that is shown."""
+    findings = content.audit.findings if content.audit else ()
+    return [
+        {"severity": each.severity, "episodes": each.episodes, "at": content.shown_frame(each.frame)}
+        for each in findings
+    ]
 
 
 def _reading_data(view: View, content: Content, table: _Table) -> dict[str, Any]:
