@@ -14,6 +14,9 @@ from arm_cameras import harm
 from damages import DATA, edit_column
 
 import z2r
+from z2r.audits.findings import Finding
+
+README = Path(__file__).parents[1] / "README.md"
 
 ELBOW, LATE = 2, 5  # which joint, and how many frames
 
@@ -63,10 +66,23 @@ FAULTS: dict[str, tuple[Callable[[Path], None], tuple[str, ...]]] = {
 }
 
 
-def said_of(root: Path) -> list[str]:
+def found_in(root: Path) -> list[Finding]:
     forget_statistics(root)
-    found = z2r.audit(root, pictures=True)
-    return [str(each) for each in found.findings if each.severity != "note"]
+    return [each for each in z2r.audit(root, pictures=True).findings if each.severity != "note"]
+
+
+def said_of(root: Path) -> list[str]:
+    return [str(each) for each in found_in(root)]
+
+
+def test_the_readme_says_what_the_audit_says(tmp_path):
+    root = Path(shutil.copytree(z2r.ARM, tmp_path / "arm"))
+    for plant, _ in FAULTS.values():
+        plant(root)
+    readme = README.read_text(encoding="utf-8")
+    shown = [each for each in found_in(root) if f"{each.severity}  {each.check}  " in readme]
+    assert {each.check for each in shown} == {"late", "unit", "camera-flat"}
+    assert all(f"found {each.found}\n" in readme and f"expected {each.expected}\n" in readme for each in shown)
 
 
 @pytest.mark.parametrize("names", [*([name] for name in FAULTS), [*FAULTS]], ids="+".join)

@@ -333,15 +333,32 @@ def test_a_video_that_is_missing_is_named_and_shows_nothing(tmp_path):
     assert len(seen(drawn, "side")) == sum(LENGTHS)
 
 
-@pytest.mark.parametrize("wrong", [np.nan, np.inf, 1e300, 500.0])
-def test_frames_at_moments_that_no_video_has_are_named_and_show_nothing(wrong, tmp_path):
-    root = tmp_path / "dataset"
-    write_filmed(root)
+def set_moment(root: Path, wrong: float) -> None:
+    """Say that the pictures of the third episode begin at another moment of their video [s]."""
     [path] = shard_files(root)
     table, column = pq.read_table(path), f"videos/{FRONT}/from_timestamp"
     times = table[column].to_pylist()
     times[2] = wrong
     pq.write_table(table.set_column(table.column_names.index(column), column, pa.array(times)), path)
+
+
+@pytest.mark.parametrize("wrong", [np.nan, np.inf])
+def test_a_moment_that_is_no_number_leaves_the_camera_out(wrong, tmp_path):
+    root = tmp_path / "dataset"
+    write_filmed(root)
+    set_moment(root, wrong)
+    shown = z2r.write_replay(root, tmp_path / "x.rrd")
+    assert f"{FRONT}/from_timestamp in row 2: found {wrong}, expected a number of seconds" in shown.left_out[0]
+    drawn = {entity for entity, _ in read_rows(shown.path, "frame")}
+    assert "/cameras/side" in drawn
+    assert "/cameras/front" not in drawn
+
+
+@pytest.mark.parametrize("wrong", [1e300, 500.0])
+def test_frames_at_moments_that_no_video_has_are_named_and_show_nothing(wrong, tmp_path):
+    root = tmp_path / "dataset"
+    write_filmed(root)
+    set_moment(root, wrong)
     shown = z2r.write_replay(root, tmp_path / "x.rrd")
     assert f"{LENGTHS[2]} frames outside of it" in shown.left_out[0]
     hidden = range(sum(LENGTHS[:2]), sum(LENGTHS[:3]))

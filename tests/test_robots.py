@@ -145,7 +145,7 @@ def test_the_recording_of_the_arm_shows_its_joints_and_its_goal(arm, tmp_path):
     rows, state = read_rows(tmp_path / "arm.rrd", "frame"), dataset.read("observation.state")
     np.testing.assert_allclose(values(rows, "observation/state", "Scalars:scalars"), state)
     np.testing.assert_allclose(values(rows, "eval/grip", "Scalars:scalars")[:, 0], state[:, 5])
-    assert rows["/observation/state", "SeriesLines:names"][0][1] == [*JOINTS[:5], "gripper.pos [percent]"]
+    assert rows["/observation/state", "SeriesLines:names"][0][1] == list(JOINTS)
     assert [value for _, value in rows["/eval/grip/at_most", "Scalars:scalars"]] == [[20], [20]]
     assert not [entity for entity, _ in rows if entity.startswith("/world")]
 

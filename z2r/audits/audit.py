@@ -13,13 +13,14 @@ from pathlib import Path
 from typing import Any
 
 import msgspec
+import numpy as np
 from msgspec.structs import replace
 
 from z2r.arrays import Ints, Progress, no_progress
 from z2r.audits import cameras, index, joints, labels, motion, pictures, readiness, stats, structure, tasks, values
 from z2r.audits.claims import Claims, NoSchema, Stored, claims_under, read_claims
 from z2r.audits.findings import AUDIT, Finding, ask, failed
-from z2r.audits.following import Pair, fold_following, join_following, pairs_of
+from z2r.audits.following import MIN_FRAMES, Pair, fold_following, join_following, pairs_of
 from z2r.audits.footage import FileImages, Footage, read_file_images, read_footage, sum_images, sum_way
 from z2r.audits.frames import FileClaims, FileFrames, file_claims, run_stats
 from z2r.audits.glances import glance_at, join_filmed
@@ -31,7 +32,7 @@ from z2r.audits.runs import FileSums, Runs, join_runs
 from z2r.audits.steps import moves, run_steps
 from z2r.audits.tasks import fold_tasks
 from z2r.check import SEVERITIES, Check, asked_of, parts_in
-from z2r.errors import DatasetError, some
+from z2r.errors import DatasetError, count, some
 from z2r.format.about import cameras_of
 from z2r.format.dataset import in_order
 from z2r.format.decoding import check_can_decode
@@ -316,6 +317,7 @@ def _not_checked(claims: Claims, sums: Sequence[FileSums], scene: Scene | None) 
     if any(part.n_rows and part.numbers is None for part in sums):
         yield "episodes against each other: `episode_index` of some file cannot be used"
     yield from _meaning_not_checked(claims, sums, scene)
+    yield from _motion_not_checked(claims, sums)
     findings = (finding for part in sums for finding in part.findings)
     gaps = {finding.field.split("[")[0] for finding in findings if finding.check == values.FINITE.name}
     if gaps:
@@ -333,14 +335,30 @@ def _not_checked(claims: Claims, sums: Sequence[FileSums], scene: Scene | None) 
     yield "whether the text of a task is true, and whether the demonstrations are any good"
 
 
+def _motion_not_checked(claims: Claims, sums: Sequence[FileSums]) -> Iterator[str]:
+    """Say of which joints and episodes nobody knows whether they move as they should."""
+    pairs = pairs_of(claims.schema, claims.reading)
+    if ACTION in claims.schema.signals() and not pairs:
+        yield "whether joints follow their commands: neither names nor a reading say which column a command drives"
+    lags = [part.following.lag for part in sums if part.following]
+    if lags:
+        unknown = np.atleast_1d(np.isnan(np.concatenate(lags)).all(axis=0))
+        if names := [pair.command for pair, lost in zip(pairs, unknown.tolist(), strict=True) if lost]:
+            yield f"whether {some(names)} is followed: no motion tells"
+    if short := int((claims.table.length < MIN_FRAMES).sum()):
+        yield f"how the robot moves in {count(short, 'episode')} of fewer than {MIN_FRAMES} frames"
+    if len(claims.table.number) > motion.MAX_COMPARED:
+        yield f"near copies of a demonstration: there are more than {motion.MAX_COMPARED:,} episodes"
+
+
 def _meaning_not_checked(claims: Claims, sums: Sequence[FileSums], scene: Scene | None) -> Iterator[str]:
     if claims.reading is None or claims.reading.missing(claims.schema):
         yield "what the columns mean: no reading fits"
-        yield "whether an action is possible, and whether it does what it says: nothing states its limits"
+        yield "whether an action is possible: nothing states its limits"
         if label_in(claims.schema) is None:
             yield "success: nothing says what it would be"
     elif scene is None:
-        yield "solid bodies, limits, and whether the action does what it says: the reading has no scene"
+        yield "solid bodies: the reading has no scene"
         if claims.reading.goal:
             yield "whether what is reached was a success: `z2r inspect` holds it against a verdict beside the dataset"
     elif not _has_scene(sums):

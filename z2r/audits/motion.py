@@ -9,7 +9,7 @@ from z2r.arrays import Bools, Floats, Ints
 from z2r.audits.following import MIN_FRAMES
 from z2r.audits.runs import Runs
 from z2r.audits.steps import RunSteps, is_a_turn
-from z2r.audits.values import JUMP
+from z2r.audits.values import JUMP, quaternions
 from z2r.check import Answer, Check
 from z2r.errors import Fault, count
 from z2r.format.episodes import DATA_DIR
@@ -46,7 +46,7 @@ _NEAR = 0.1  # of the distance that is usual between two demonstrations
 _COMMON = 6  # marks that two demonstrations must have to be compared
 _MOVED, _TELLING = 0.05, 10  # of its spread, a column; so often, or two copies are by chance
 _NEIGHBOURS = 32  # demonstrations, with which each is compared
-_MAX_COMPARED = 20_000  # demonstrations
+MAX_COMPARED = 20_000  # demonstrations
 
 
 LEAP = Check("discontinuity", "no robot leaps inside an episode, as where two are joined or it is put back", "warning")
@@ -104,7 +104,8 @@ def no_robot_is_put_back(runs: Runs) -> Iterator[Answer]:
             wrong = (leaps & is_there).mean(axis=0) > _MOST
             if wrong.any() and len(runs.number) > 2:
                 column = int(wrong.argmax())
-                found = f"a leap of {steps.largest[0, column]:.3g} in the {where} frames of nearly all episodes"
+                size = np.median(steps.largest[(leaps & is_there)[:, column], column])
+                found = f"a leap of {size:.3g} in the {where} frames of nearly all episodes"
                 mend = "Was the robot put back, or a number not yet there? A policy learns to leap: cut these frames"
                 place = _dim(runs, name, column) + (f" and {int(wrong.sum()) - 1} more" if wrong.sum() > 1 else "")
                 yield Fault(DATA_DIR, place, found, "episodes that begin and end with the motion", mend)
@@ -201,7 +202,9 @@ def episodes_begin_at_one_place(runs: Runs) -> Iterator[Answer]:
     if STATE not in runs.steps or len(runs.number) < _HOMES:
         return
     size = runs.claims.schema.features[STATE].size
-    first = runs.steps[STATE].marks[:, :size]  # (n_runs, size)
+    first = runs.steps[STATE].marks[:, :size].copy()  # (n_runs, size)
+    turns = [column for turn in quaternions(runs.claims.schema.features[STATE]) for column in turn]
+    first[:, turns] = np.abs(first[:, turns])  # q and -q are one turn
     ranges, step = runs.spans(STATE), np.quantile(runs.steps[STATE].largest, 0.9, axis=0)
     for column in np.flatnonzero(_continuous(runs, STATE)).tolist():
         order = np.argsort(first[:, column], kind="stable")
@@ -282,7 +285,7 @@ def nothing_is_clipped(runs: Runs) -> Iterator[Answer]:
 @Check("near-twin", "no demonstration is nearly that of another episode", "warning").of(Runs)
 def no_near_twins(runs: Runs) -> Iterator[Answer]:
     """Is a demonstration a copy of another one, cut, shifted by a frame, or with noise added?"""
-    if STATE not in runs.steps or not 3 <= len(runs.number) <= _MAX_COMPARED:
+    if STATE not in runs.steps or not 3 <= len(runs.number) <= MAX_COMPARED:
         return
     distance, neighbour = _nearest(runs.steps[STATE], runs.claims.schema.features[STATE].size)
     known = np.isfinite(distance)
@@ -298,7 +301,8 @@ def no_near_twins(runs: Runs) -> Iterator[Answer]:
         found = f"nearly episode {runs.number[one]} again: {distance[other]:.2g} apart{more}"
         expected = f"demonstrations that differ by about {usual:.2g} of their spread"
         mend = "It counts twice in training, and may stand on both sides of a split"
-        yield Fault(DATA_DIR, f"episode {runs.number[other]}", found, expected, mend)
+        again = tuple(sorted({int(runs.number[each]) for _, each in pairs}))
+        yield Fault(DATA_DIR, f"episode {runs.number[other]}", found, expected, mend, again)
 
 
 def _nearest(steps: RunSteps, size: int) -> tuple[Floats, Ints]:

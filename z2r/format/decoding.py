@@ -97,8 +97,7 @@ def decode_video(root: Path, path: Path, index: VideoIndex, wanted: Ints) -> Ite
             decoder = stream.codec_context
             decoder.options = {"max_pixels": str(_MAX_PIXELS)}
             unit = float(stream.time_base or 1)  # s
-            keys = np.flatnonzero(index.is_key[: wanted[0] + 1])
-            file.seek(int(index.times[keys[-1] if len(keys) else 0] / unit), stream=stream)
+            file.seek(int(index.times[key_before(index, wanted[0])] / unit), stream=stream)
             for packet in (*_packets(file.demux(stream), index, unit, wanted), None):
                 for frame in decoder.decode(packet):
                     number = _number(index, unit, frame.pts)
@@ -123,6 +122,12 @@ class Cut(NamedTuple):
     end: int
 
 
+def key_before(index: VideoIndex, number: int) -> int:
+    """Return the number of the last picture up to one that can be decoded alone; 0 where none can."""
+    keys = np.flatnonzero(index.is_key[: number + 1])
+    return int(keys[-1]) if len(keys) else 0
+
+
 def plan_cut(index: VideoIndex, start: float, stop: float, max_bytes: int) -> tuple[Cut, int]:
     """Plan a clip of the pictures from one time to another [s], or of as many of the first ones as there is room for.
 
@@ -135,7 +140,7 @@ def plan_cut(index: VideoIndex, start: float, stop: float, max_bytes: int) -> tu
     """
     half = 0.5 / (index.fps or 1)
     first, end = np.searchsorted(index.times, (start - half, stop - half)).tolist()
-    key = int(np.flatnonzero(index.is_key[: first + 1])[-1]) if index.is_key[: first + 1].any() else first
+    key = key_before(index, first)
     sizes = np.cumsum(index.sizes[key:end])
     end = max(first, key + int(np.searchsorted(sizes, max_bytes, side="right")))
     return Cut(key, first, end), int(sizes[end - key - 1]) if end > first else 0
@@ -210,53 +215,6 @@ def decode_images(root: Path, path: Path, feature: str, wanted: Ints) -> Iterato
                 yield row, _small(frame, reformatter)
         except av.error.FFmpegError as error:
             raise _undecodable(inside(root, path), f"{feature} in row {row}", error) from None
-
-
-def cut_video(root: Path, path: Path, index: VideoIndex, first: int, last: int) -> tuple[bytes, float]:
-    """Cut pictures out of a video without decoding any, as an mp4 of its own.
-
-    Parameters
-    ----------
-    root, path : Path
-        The dataset, and the video relative to it.
-    index : VideoIndex
-        What the video says of itself.
-    first, last : int
-        The numbers of the first and the last picture in the order in which they are shown, from 0. What the first one
-        needs to be decoded comes along.
-
-    Returns
-    -------
-    contents : bytes
-        The mp4.
-    start : float
-        The time of its beginning, counted in the whole video [s].
-
-    Raises
-    ------
-    DatasetError
-        If the bytes are no video.
-    """
-    from av import FFmpegError
-    from av import open as open_container
-
-    whole, cut = inside(root, path), io.BytesIO()
-    try:
-        with open_mapped(whole) as bytes_of_it, open_container(bytes_of_it, format="mp4") as file:
-            stream = file.streams.video[0]
-            unit = float(stream.time_base or 1)  # s
-            key = int(np.flatnonzero(index.is_key[: first + 1])[-1]) if index.is_key[: first + 1].any() else 0
-            start = round(float(index.times[key]) / unit)
-            file.seek(start, stream=stream)
-            with open_container(cut, "w", format="mp4") as copy:
-                copied = copy.add_stream_from_template(stream)
-                for packet in _packets(file.demux(stream), index, unit, np.arange(key, last + 1)):
-                    packet.pts, packet.dts = (time and time - start for time in (packet.pts, packet.dts))
-                    packet.stream = copied
-                    copy.mux(packet)
-    except (FFmpegError, OSError) as error:
-        raise _undecodable(whole, "", error) from None
-    return cut.getvalue(), start * unit
 
 
 def _packets(packets: "Iterator[av.Packet]", index: VideoIndex, unit: float, wanted: Ints) -> "Iterator[av.Packet]":

@@ -16,7 +16,7 @@ from z2r.arrays import Floats, Ints
 from z2r.errors import DatasetError, Fault, count
 from z2r.format.about import cameras_of, short_names
 from z2r.format.dataset import Dataset
-from z2r.format.decoding import can_decode, cut_video
+from z2r.format.decoding import Cut, can_decode, cut_clip, key_before
 from z2r.format.episodes import EpisodeIndex
 from z2r.format.images import format_of, read_pictures
 from z2r.format.mp4 import VideoIndex
@@ -58,11 +58,11 @@ class _Clip(NamedTuple):
     time: Floats
 
     @property
-    def ends(self) -> tuple[int, int]:
-        """The numbers of the first and the last picture that is needed."""
+    def cut(self) -> Cut:
+        """The pictures that are needed."""
         at = np.searchsorted(self.video.times, [self.time.min(), self.time.max()], side="right") - 1
         first, last = at.clip(min=0).tolist()
-        return first, last
+        return Cut(key_before(self.video, first), first, last + 1)
 
 
 def send_cameras(recorder: Recorder, dataset: Dataset, episodes: EpisodeIndex) -> Seen:
@@ -130,15 +130,14 @@ def _find_clips(dataset: Dataset, episodes: EpisodeIndex) -> tuple[list[_Clip], 
 
 def _send_video(recorder: Recorder, root: Path, clip: _Clip, entity: str, *, cut: bool, most: int) -> int:
     """Send a video, or what is needed of it, and for each frame when that shows it; return how many bytes it takes."""
-    first, last = clip.ends
-    size = int(clip.video.sizes[first : last + 1].sum() if cut else clip.video.sizes.sum())
+    needed, sizes = clip.cut, clip.video.sizes
+    size = int(sizes[needed.key : needed.end].sum() if cut else sizes.sum())
     if size > most:
         raise DatasetError(Fault(root / clip.path, "", f"{size:,} bytes to show", f"at most {most:,}", _LESS))
-    contents, begins = (
-        cut_video(root, clip.path, clip.video, first, last)
-        if cut
-        else (read_bytes(inside(root, clip.path), 2 * MAX_BYTES, "a video"), 0.0)
-    )
+    if cut:
+        contents, begins = cut_clip(root, clip.path, clip.video, needed), clip.video.times[needed.key]
+    else:
+        contents, begins = read_bytes(inside(root, clip.path), 2 * MAX_BYTES, "a video"), 0.0
     part = f"{entity}/{rr.escape_entity_path_part('-'.join(clip.path.with_suffix('').parts[-2:]))}"
     recorder.static(part, rr.AssetVideo(contents=contents, media_type="video/mp4"))
     videos = rr.VideoFrameReference.columns(video_reference=[part] * len(clip.frames))
