@@ -211,3 +211,16 @@ def test_one_belief_says_of_which_columns_it_is(tmp_path):
     lacking = run("audit", "--break", "quaternion-order", cwd=tmp_path)
     assert lacking.returncode == 0
     assert "here it changes nothing" in lacking.stdout
+
+
+@pytest.mark.parametrize("option", ["--pictures", "--keep=good.json"])
+def test_what_the_table_would_leave_undone_is_refused(option, tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-c", "from z2r.cli import main; main()", "audit", "--break", "all", option],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 2
+    assert "neither --keep nor --pictures" in " ".join(done.stderr.replace("│", " ").split())
+    assert not [*tmp_path.iterdir()]

@@ -497,6 +497,8 @@ def audit(
     with contextlib.suppress(DatasetError):  # of a schema that cannot be read, the audit says why
         _fitting(reading, read_schema(root))
     if isinstance(mode, str):
+        if keep or pictures:
+            raise click.UsageError("--break all audits what is believed: it goes with neither --keep nor --pictures")
         _audit_beliefs(root, reading, screen)
         return
     if mode:
