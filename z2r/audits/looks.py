@@ -9,10 +9,10 @@ import numpy as np
 
 from z2r.arrays import Bools, Floats, Ints
 from z2r.audits.claims import Claims
-from z2r.audits.footage import Footage, ImageSums, VideoSums, way_frames
+from z2r.audits.footage import Footage, ImageSums, VideoSums, place_frames
 from z2r.audits.glances import Filmed, Glance, Glances
 from z2r.audits.runs import Runs
-from z2r.audits.together import Steps, fit
+from z2r.audits.together import Take, fit
 from z2r.audits.views import Unlike, unlike
 from z2r.errors import Fault, some
 from z2r.format.about import cameras_of
@@ -44,8 +44,13 @@ _FITFUL = 0.5  # of these steps: from little change to more, or back
 _MOSTLY = 0.5  # of the robot's way
 _TINY = 1e-9  # of it
 
-type _Way = tuple[Ints, Floats]
-"""At which frames of an episode it is known how far the robot has come, and how far."""
+
+class _Path(NamedTuple):
+    """At which frames of an episode it is known where the robot is, where it is, and how far it has come, up to 1."""
+
+    frames: Ints
+    places: Floats
+    way: Floats
 
 
 class Suspects(NamedTuple):
@@ -70,7 +75,7 @@ class Look(NamedTuple):
     mend : str
         How to be surer; empty where it is sure.
     fits : float
-        How well pictures usually move with the robot: a correlation; nan where too little moves to say it.
+        How well pictures usually go with the robot: a correlation; nan where too little of it is seen to say it.
     unlike : sequence of Unlike
         Which episodes look otherwise than the others; nobody knows where no picture is decoded.
     """
@@ -126,8 +131,8 @@ def looks_of_sizes(filmed: Filmed) -> Looks:
 def looks_of_glances(filmed: Filmed, glances: Glances) -> Looks:
     """Tell from some decoded pictures what all of them look like."""
     runs = filmed.runs
-    way_of = {} if filmed.ways is None else _way_of_episodes(runs, filmed.ways)
-    looks = {camera: _look_of_glances(camera, seen, runs, way_of) for camera, seen in glances.cameras.items()}
+    paths = {} if filmed.places is None else _paths_of_episodes(runs, filmed.places)
+    looks = {camera: _look_of_glances(camera, seen, runs, paths) for camera, seen in glances.cameras.items()}
     twins = [
         Twin(looks[camera], looks[other], _same_views(glances.cameras[camera], glances.cameras[other], runs))
         for other, camera in combinations(looks, 2)
@@ -157,35 +162,46 @@ def _robot_moves(runs: Runs) -> Bools:
 # --- decoded
 
 
-def _way_of_episodes(runs: Runs, ways: Floats) -> dict[int, _Way]:
-    """Return how far the robot has come in each episode, by its row; in those that are in one file as a whole."""
+def _paths_of_episodes(runs: Runs, places: Floats) -> dict[int, _Path]:
+    """Return where the robot goes in each episode, by its row; in those that are in one file as a whole."""
     table = runs.claims.stored.episodes.value.table
     length = dict(zip(table.number.tolist(), enumerate(table.length.tolist()), strict=True))
-    known = {}
-    for number, n_frames, way in zip(runs.number.tolist(), (runs.stop - runs.start).tolist(), ways, strict=True):
+    paths = {}
+    for number, n_frames, own in zip(runs.number.tolist(), (runs.stop - runs.start).tolist(), places, strict=True):
         row, claimed = length.get(number, (-1, -1))
         if n_frames == claimed:
-            known[row] = way_frames(np.array([n_frames]))[0], way
-    return known
+            paths[row] = _Path(place_frames(np.array([n_frames]))[0], own, _way(own))
+    return paths
 
 
-def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, way_of: Mapping[int, _Way]) -> Look:
+def _way(places: Floats) -> Floats:
+    """Return how far the robot has come at each of its places, from 0 to 1 of all its way.
+
+    Each column counts alike, so that neither its unit nor its noise outweighs the others.
+    """
+    steps = np.abs(np.diff(places.astype(np.float64), axis=0, prepend=places[:1]))  # (n_places, size)
+    whole = steps.sum(axis=0)
+    way: Floats = (steps[:, whole > 0] / whole[whole > 0]).mean(axis=1).cumsum() if whole.any() else steps.sum(axis=1)
+    return way
+
+
+def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths: Mapping[int, _Path]) -> Look:
     number, fps, moves = runs.claims.stored.episodes.value.table.number, runs.claims.schema.fps, _robot_moves(runs)
     flat, blank, still, slow = np.zeros((4, len(moves)), dtype=bool)
-    steps, share, again = {}, {}, {}
+    takes, share, again = {}, {}, {}
     for row, glance in seen.items():
         flat[row] = glance.spread.max() <= _ONE_COLOUR or np.median(glance.grain) >= _NO_SIGNAL
         blank[row] = not flat[row] and glance.spread.min() <= _ONE_COLOUR
-        if moves[row] and row in way_of and not flat[row]:
-            way = np.diff(np.interp(glance.frame, *way_of[row]))
+        if moves[row] and row in paths and not flat[row]:
+            path = paths[row]
+            way = np.diff(np.interp(glance.frame, path.frames, path.way))
             share[row] = _longest(way, glance.peak <= _NOISE) / max(way.sum(), _TINY)
             still[row] = share[row] >= _MOSTLY
             again[row], repeats = _repeats(way, glance.peak)
             slow[row] = repeats and not still[row]
             if not still[row] and not blank[row]:
-                seconds = float(np.median(np.diff(glance.frame))) / fps
-                steps[int(number[row])] = Steps(glance.change, way, seconds)
-    fits, astray = fit(steps)
+                takes[int(number[row])] = Take(glance.cells, glance.frame / fps, path.places, path.frames / fps)
+    fits, astray = fit(takes)
     return Look(
         camera=camera,
         place=_place(runs.claims, camera),
@@ -252,7 +268,7 @@ def _unseen(glances: Glances, n_episodes: int) -> Iterator[str]:
 def _unfit(looks: Mapping[str, Look]) -> Iterator[str]:
     names = [camera for camera, look in looks.items() if np.isnan(look.fits)]
     if names:
-        yield f"whether the pictures of {some(names)} go with the motion of the robot: too little of it is seen in them"
+        yield f"whether the pictures of {some(names)} show where the robot is: too little of it is seen in them"
 
 
 def _same_views(seen: Mapping[int, Glance], others: Mapping[int, Glance], runs: Runs) -> Bools:

@@ -76,11 +76,11 @@ def no_two_cameras_show_the_same(looks: Looks) -> Iterator[Answer]:
         yield from _looks_wrong(twin.look, same, "pictures of its own")
 
 
-@Check("camera-motion", "the picture moves when the robot does", "warning").of(Looks)
+@Check("camera-motion", "pictures show where the robot is, not where it was or will be", "warning").of(Looks)
 def camera_motion(looks: Looks) -> Iterator[Answer]:
-    """Do the pictures of an episode move with its robot? Those of another, or of another time, do not."""
+    """Do the pictures of an episode go with its robot? Those of another, or of another time, do not."""
     for look in looks.cameras:
-        yield from _looks_wrong(look, look.astray, "pictures that move when the robot does, as the others do")
+        yield from _looks_wrong(look, look.astray, "pictures that show where the robot is")
 
 
 def _looks_wrong(look: Look, suspects: Suspects, expected: str) -> Iterator[Fault]:
