@@ -139,6 +139,13 @@ def looks_of_glances(filmed: Filmed, glances: Glances) -> Looks:
     ]
     views = _own_views(glances, looks, twins)
     looks = {camera: look._replace(unlike=views.get(camera, ())) for camera, look in looks.items()}
+    rights = {camera: _right(look, twins) for camera, look in looks.items()}
+    looks = {
+        camera: _held_against_the_robot(
+            look, {row: own for row, own in seen.items() if rights[camera][row]}, runs, paths
+        )
+        for (camera, look), seen in zip(looks.items(), glances.cameras.values(), strict=True)
+    }
     n_episodes = len(runs.claims.stored.episodes.value.table.number)
     return Looks(list(looks.values()), twins, glances.faults, [*_unseen(glances, n_episodes), *_unfit(looks)])
 
@@ -186,9 +193,9 @@ def _way(places: Floats) -> Floats:
 
 
 def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths: Mapping[int, _Path]) -> Look:
-    number, fps, moves = runs.claims.stored.episodes.value.table.number, runs.claims.schema.fps, _robot_moves(runs)
+    number, moves = runs.claims.stored.episodes.value.table.number, _robot_moves(runs)
     flat, blank, still, slow = np.zeros((4, len(moves)), dtype=bool)
-    takes, share, again = {}, {}, {}
+    share, again = {}, {}
     for row, glance in seen.items():
         flat[row] = glance.spread.max() <= _ONE_COLOUR or np.median(glance.grain) >= _NO_SIGNAL
         blank[row] = not flat[row] and glance.spread.min() <= _ONE_COLOUR
@@ -199,9 +206,6 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths:
             still[row] = share[row] >= _MOSTLY
             again[row], repeats = _repeats(way, glance.peak)
             slow[row] = repeats and not still[row]
-            if not still[row] and not blank[row]:
-                takes[int(number[row])] = Take(glance.cells, glance.frame / fps, path.places, path.frames / fps)
-    fits, astray = fit(takes)
     return Look(
         camera=camera,
         place=_place(runs.claims, camera),
@@ -210,10 +214,31 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths:
         blank=Suspects(blank, lambda row: _blanks(seen[row])),
         still=Suspects(still, lambda row: f"the same picture for {share[row]:.0%} of the robot's way"),
         slow=Suspects(slow, lambda row: f"the picture of before again for {again[row]:.0%} of the robot's way"),
-        astray=Suspects(np.isin(number, list(astray)), lambda row: astray[int(number[row])]),
+        astray=_nobody(moves),
         mend="",
-        fits=fits,
     )
+
+
+def _right(look: Look, twins: Sequence[Twin]) -> Bools:
+    """Tell in which episodes the pictures of a camera are such that they can be held against the robot."""
+    right = ~(look.flat.wrong | look.blank.wrong | look.still.wrong)
+    for twin in twins:
+        right &= ~(twin.same & (twin.look.camera == look.camera))
+    for unlike_others in look.unlike:
+        right[unlike_others.rows] = False
+    return right
+
+
+def _held_against_the_robot(look: Look, seen: Mapping[int, Glance], runs: Runs, paths: Mapping[int, _Path]) -> Look:
+    fps, moves = runs.claims.schema.fps, _robot_moves(runs)
+    takes = {
+        int(look.number[row]): Take(glance.cells, glance.frame / fps, paths[row].places, paths[row].frames / fps)
+        for row, glance in seen.items()
+        if moves[row] and row in paths
+    }
+    fits, astray = fit(takes)
+    wrong = np.isin(look.number, list(astray))
+    return look._replace(fits=fits, astray=Suspects(wrong, lambda row: astray[int(look.number[row])]))
 
 
 def _repeats(way: Floats, peak: Floats) -> tuple[float, bool]:
