@@ -76,6 +76,8 @@ class Look(NamedTuple):
         How to be surer; empty where it is sure.
     fits : float
         How well pictures usually go with the robot: a correlation; nan where too little of it is seen to say it.
+    late : float
+        By how much all of them are late [s].
     unlike : sequence of Unlike
         Which episodes look otherwise than the others; nobody knows where no picture is decoded.
     """
@@ -90,6 +92,7 @@ class Look(NamedTuple):
     astray: Suspects
     mend: str
     fits: float = np.nan
+    late: float = 0.0
     unlike: Sequence[Unlike] = ()
 
 
@@ -198,7 +201,7 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths:
     share, again = {}, {}
     for row, glance in seen.items():
         flat[row] = glance.spread.max() <= _ONE_COLOUR or np.median(glance.grain) >= _NO_SIGNAL
-        blank[row] = not flat[row] and glance.spread.min() <= _ONE_COLOUR
+        blank[row] = not flat[row] and _shows_nothing(glance).any()
         if moves[row] and row in paths and not flat[row]:
             path = paths[row]
             way = np.diff(np.interp(glance.frame, path.frames, path.way))
@@ -236,9 +239,9 @@ def _held_against_the_robot(look: Look, seen: Mapping[int, Glance], runs: Runs, 
         for row, glance in seen.items()
         if moves[row] and row in paths
     }
-    fits, astray = fit(takes)
+    fits, astray, late = fit(takes)
     wrong = np.isin(look.number, list(astray))
-    return look._replace(fits=fits, astray=Suspects(wrong, lambda row: astray[int(look.number[row])]))
+    return look._replace(fits=fits, late=late, astray=Suspects(wrong, lambda row: astray[int(look.number[row])]))
 
 
 def _repeats(way: Floats, peak: Floats) -> tuple[float, bool]:
@@ -265,10 +268,17 @@ def _nothing(glance: Glance) -> str:
     return f"one colour, {_shade(glance.level.mean())}" if is_flat else "noise, in which no pixel is like the next"
 
 
+def _shows_nothing(glance: Glance) -> Bools:
+    """Tell which pictures are of one colour, or noise."""
+    nothing: Bools = (glance.spread <= _ONE_COLOUR) | (glance.grain >= _NO_SIGNAL)
+    return nothing
+
+
 def _blanks(glance: Glance) -> str:
-    blank = glance.spread <= _ONE_COLOUR
+    blank = _shows_nothing(glance)
+    said = "one colour" if (glance.spread[blank] <= _ONE_COLOUR).all() else "noise"
     some_of = f"{blank.sum()} of the {len(blank)} pictures that were looked at"
-    return f"one colour in {some_of}, first in frame {glance.frame[blank.argmax()]:.0f},"
+    return f"{said} in {some_of}, first in frame {glance.frame[blank.argmax()]:.0f},"
 
 
 def _own_views(glances: Glances, looks: Mapping[str, Look], twins: Sequence[Twin]) -> dict[str, list[Unlike]]:

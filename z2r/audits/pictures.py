@@ -11,6 +11,8 @@ from z2r.errors import Fault
 from z2r.format.rules import and_more, episodes_of
 from z2r.reading.stored import episodes_named
 
+_LATE = 0.25  # s: most cameras are late by less
+
 
 @VIDEO_FILE.of(Looks)
 def videos_can_be_decoded(looks: Looks) -> Iterator[Answer]:
@@ -81,6 +83,10 @@ def camera_motion(looks: Looks) -> Iterator[Answer]:
     """Do the pictures of an episode go with its robot? Those of another, or of another time, do not."""
     for look in looks.cameras:
         yield from _looks_wrong(look, look.astray, "pictures that show where the robot is")
+        if look.late >= _LATE:
+            found = f"pictures that go best with where the robot was {look.late:g} s before, in all episodes"
+            mend = "A policy learns with old pictures: is the camera as late where it shall act?"
+            yield "note", Fault(look.place, look.camera, found, "pictures that show where the robot is", mend)
 
 
 def _looks_wrong(look: Look, suspects: Suspects, expected: str) -> Iterator[Fault]:

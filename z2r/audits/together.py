@@ -23,7 +23,7 @@ _DELAYS = np.arange(-15, 16) / 10  # s
 _NONE = 15  # which of them is 0
 _RESTS = 1e-9  # of what moves
 
-_OTHERS = 256  # episodes, whose robot may be the one that is shown
+_OTHERS = 32  # episodes before and after, whose robot may be the one that is shown
 
 _FITS, _FITS_NOT = 0.4, 0.25  # correlation: what is usual must be more; what is less fits nothing
 _LATE, _EARLY = 0.45, 0.25  # s: by less all pictures of a camera may well be late, or early
@@ -31,9 +31,8 @@ _NEAR = 0.25  # s: what is held against it
 _MORE, _MOST = 0.02, 0.75  # of correlation, that it must bring in the median, and in how many of the episodes
 _OF_ONE, _GAIN = 0.15, 0.05  # s, and of correlation: how far one episode must be from what is usual
 _MANY = 0.3  # of the episodes: then what they have is usual
-_LESS, _SPREADS = 0.2, 3  # below what is usual, in correlation and in spreads of it: then there must be a reason
-_FAR_LESS, _MANY_SPREADS = 0.35, 6  # so much that there need not be one that anybody knows
-_AS_WELL = 0.15  # of correlation: with something else it fits as well, or so much better
+_LESS, _BETTER, _AS_WELL = 0.2, 0.3, 0.15  # of correlation: below what is usual; by so much better; about as well
+_FAR_LESS, _SPREADS = 0.35, 6  # below what is usual, in correlation and in spreads of it: nobody need know why
 _NEIGHBOURS = {1: "in the next episode", -1: "in the episode before"}
 
 
@@ -67,10 +66,13 @@ class Fit(NamedTuple):
         The correlation that is usual; nan where too little of it can be foretold to say anything.
     astray : dict of int to str
         The episodes that do not fit, and what was found of each.
+    late : float
+        By how much the pictures of all the others are late [s], as those of any camera are a little.
     """
 
     usual: float
     astray: dict[int, str]
+    late: float = 0.0
 
 
 class _Axes(NamedTuple):
@@ -137,7 +139,7 @@ def fit(takes: Mapping[int, Take]) -> Fit:
         return Fit(typical, {number: _late(curve, _NONE, usual) for number, curve in curves.items()})
     spread = 1.4826 * float(np.median([abs(curve.max() - typical) for curve in curves.values()]))
     odd = {number: _odd(learned, number, usual, typical, spread) for number in takes}
-    return Fit(typical, {number: found for number, found in odd.items() if found})
+    return Fit(typical, {number: found for number, found in odd.items() if found}, float(_DELAYS[usual]))
 
 
 def _odd(learned: _Learned, number: int, usual: int, typical: float, spread: float) -> str:
@@ -146,12 +148,12 @@ def _odd(learned: _Learned, number: int, usual: int, typical: float, spread: flo
     own, best = float(curve[max(usual - 1, 0) : usual + 2].max()), int(curve.argmax())
     if curve[best] >= max(_FITS, own + _GAIN) and abs(_DELAYS[best] - _DELAYS[usual]) > _OF_ONE:
         return _late(curve, usual, best)
-    if own >= typical - max(_LESS, _SPREADS * spread):
+    if own >= typical - _LESS:
         return ""
     better, other = max(_fits_of_others(learned, number))
-    if better >= max(typical, own) - _AS_WELL and better >= own + _LESS:
+    if better >= max(typical - _AS_WELL, own + _BETTER):
         return f"{_said(curve, usual)}, and of {better:.2f} with that in episode {other}"
-    nothing = own < min(_FITS_NOT, typical - max(_FAR_LESS, _MANY_SPREADS * spread))
+    nothing = own < min(_FITS_NOT, typical - max(_FAR_LESS, _SPREADS * spread))
     return _said(curve, usual) if nothing else ""
 
 
@@ -190,20 +192,22 @@ def _fits_of_neighbours(learned: _Learned, chosen: Sequence[int], by: int) -> fl
     place_of = {number: place for place, number in enumerate(numbers)}
     of = {number: place_of[number] + by for number in chosen if 0 <= place_of[number] + by < len(numbers)}
     ready = {number: _with_places_of(learned, number, numbers[place]) for number, place in of.items()}
-    return _typical(ready, dict.fromkeys(ready, _NONE))
+    return _typical(ready, dict.fromkeys(ready, 0))
 
 
 def _fits_of_others(learned: _Learned, number: int) -> Iterator[tuple[float, int]]:
-    """Yield how well the pictures of an episode fit where the robot is in others."""
-    weights = _weights(learned.sums, number)
-    for other in [*learned.takes][:_OTHERS]:
+    """Yield how well the pictures of an episode fit where the robot is in the episodes around it."""
+    weights, numbers = _weights(learned.sums, number), [*learned.takes]
+    place = numbers.index(number)
+    for other in numbers[max(place - _OTHERS, 0) : place + _OTHERS + 1]:
         if other != number:
-            yield float(_curve(_with_places_of(learned, number, other), weights)[_NONE]), other
+            yield float(_curve(_with_places_of(learned, number, other), weights)[0]), other
 
 
 def _with_places_of(learned: _Learned, number: int, other: int) -> _Ready:
-    take = learned.takes[other]
-    return _ready(learned.takes[number]._replace(places=take.places, when=take.when), learned.axes)
+    """Hold the pictures of one episode against the robot of another, with no delay: the arrays have one."""
+    own, take = learned.takes[number], learned.takes[other]
+    return _ready(own._replace(places=take.places, when=take.when), learned.axes, delays=np.zeros(1))
 
 
 def _axes(takes: Mapping[int, Take]) -> _Axes:
@@ -214,9 +218,9 @@ def _axes(takes: Mapping[int, Take]) -> _Axes:
     return _Axes(places.mean(axis=0), scale[:, None] * np.linalg.eigh(alike)[1][:, ::-1][:, :_COMPONENTS])
 
 
-def _ready(take: Take, axes: _Axes) -> _Ready:
+def _ready(take: Take, axes: _Axes, delays: Floats = _DELAYS) -> _Ready:
     components = (take.places.astype(np.float64) - axes.middle) @ axes.directions  # (n_places, n_components)
-    times = take.at - _DELAYS[:, None]  # (n_delays, n_pictures)
+    times = take.at - delays[:, None]  # (n_delays, n_pictures)
     known = (times >= take.when[0] - _RESTS) & (times <= take.when[-1] + _RESTS)
     known &= known.sum(axis=1, keepdims=True) >= _MIN_PICTURES
     at = np.stack([np.interp(times, take.when, each) for each in components.T], axis=-1)
