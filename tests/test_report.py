@@ -16,6 +16,7 @@ import pyarrow.parquet as pq
 import pytest
 from conftest import skip_without
 from damages import BASES
+from jinja2 import UndefinedError
 from layouts import lay_out
 from notebook_tools import code_cells, committed
 from robots import write_arm
@@ -24,6 +25,7 @@ from test_cli import run
 import z2r
 from z2r.errors import DatasetError
 from z2r.show import report
+from z2r.show.page import templates
 from z2r.show.page.content import WRONG_READINGS
 
 HOSTILE = "</script><img src=x onerror=alert(1)>"
@@ -143,6 +145,20 @@ def test_names_of_a_dataset_are_never_taken_for_markup(standin_copy, tmp_path):
     shown = Elements(z2r.panel(dataset)._repr_html_())
     assert [tag for tag, _ in shown.elements].count("iframe") == 1
     assert not [tag for tag, attributes in shown.elements if "onerror" in attributes or tag == "script"]
+
+
+def test_nothing_is_called_markup_but_what_the_package_writes():
+    unescaped = set()
+    for path in (*templates.FOLDER.glob("*.html"), *templates.FOLDER.glob("*.svg")):
+        unescaped |= set(re.findall(r"([^\s>]+) ?\| ?(?:safe|forceescape)", path.read_text()))
+    # `render` escapes what could end the element of the data; a whole page is escaped once more, as an attribute.
+    pages = {"style", "data", "script", "page"}
+    assert unescaped == pages | {"""'vector-effect="non-scaling-stroke"'""", "paint[body.role]"}
+
+
+def test_a_template_that_is_given_too_little_says_so():
+    with pytest.raises(UndefinedError, match="world"):
+        templates.fill("scene.svg")
 
 
 def test_a_large_dataset_leaves_episodes_out_and_says_which(tmp_path, monkeypatch):
