@@ -56,7 +56,7 @@ def is_in_the_page(url: str, path: Path) -> bool:
 
 @pytest.fixture
 def open_report(open_file: Open, tmp_path: Path) -> Open:
-    def open_report(root: Path, reading: z2r.Reading | None = None, **options) -> Page:
+    def open_report(root: Path | str, reading: z2r.Reading | None = None, **options) -> Page:
         z2r.write_report(z2r.load(root), tmp_path / "report.html", reading)
         return open_file(tmp_path / "report.html", **options)
 

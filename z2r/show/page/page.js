@@ -577,6 +577,9 @@ function turnPage(step) {
 
 const films = all(".camera").map((figure, i) => makeFilm(figure, page.cameras[i]));
 
+/** @type {Record<number, string>} */
+const WHY_NOT = { [MediaError.MEDIA_ERR_SRC_NOT_SUPPORTED]: "it has no decoder for it, or the clip is broken" };
+
 /**
  * A camera, whose clip shows the frame that is looked at; while it plays, the clip leads.
  * @param {HTMLElement} figure
@@ -588,7 +591,7 @@ function makeFilm(figure, { clips, missing }) {
   let loaded = -1; // the episode of the clip
   const why = () => {
     if (!clips[loaded]) return missing;
-    if (video.error) return `This browser cannot play the clip: ${video.error.message || "its codec is unknown here"}.`;
+    if (video.error) return `This browser cannot play the clip: ${WHY_NOT[video.error.code] ?? video.error.message}.`;
     return inClip() ? "" : `Of this clip, the page has room for the first ${clips[loaded][2]} frames only.`;
   };
   let frame = 0; // of the episode
