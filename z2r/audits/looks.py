@@ -70,8 +70,8 @@ class Look(NamedTuple):
     number : ndarray, int64[n_episodes]
         What the dataset calls the episodes.
     flat, blank, dark, still, slow, astray : Suspects
-        Where they are of one colour, or noise; some of them are; some of them are black; stay the same although the robot moves; do so again
-        and again; move when it does not.
+        Where they are of one colour, or noise; some of them are; some of them are black; stay the same although the
+        robot moves; do so again and again; do not go with the robot.
     mend : str
         How to be surer; empty where it is sure.
     fits : float

@@ -25,7 +25,7 @@ _RESTS = 1e-9  # of what moves
 
 _OTHERS = 32  # episodes before and after, whose robot may be the one that is shown
 
-_FITS, _FITS_NOT = 0.4, 0.25  # correlation: what is usual must be more; what is less fits nothing
+_FITS, _SURELY, _FITS_NOT = 0.4, 0.5, 0.25  # correlation: what is usual must be more; of one; what is less fits nothing
 _LATE, _EARLY = 0.45, 0.25  # s: by less all pictures of a camera may well be late, or early
 _NEAR = 0.25  # s: what is held against it
 _MORE, _MOST = 0.02, 0.75  # of correlation, that it must bring in the median, and in how many of the episodes
@@ -151,7 +151,7 @@ def _odd(learned: _Learned, number: int, usual: int, share: Floats, typical: flo
     """Say what is odd about the pictures of an episode; empty where nothing is."""
     curve = learned.curves[number]
     own, best = _around(curve, usual), int(curve.argmax())
-    is_late = curve[best] >= max(_FITS, own + _GAIN) and abs(_DELAYS[best] - _DELAYS[usual]) > _OF_ONE
+    is_late = curve[best] >= max(_SURELY, own + _GAIN) and abs(_DELAYS[best] - _DELAYS[usual]) > _OF_ONE
     if is_late and share[usual] + share[best] >= _AGREE:  # else each has a delay of its own, and none means anything
         return _late(curve, usual, best)
     if own >= typical - _LESS:
@@ -228,11 +228,16 @@ def _fits_of_neighbours(learned: _Learned, chosen: Sequence[int], by: int) -> fl
 
 def _fits_of_others(learned: _Learned, number: int) -> Iterator[tuple[float, int]]:
     """Yield how well the pictures of an episode fit where the robot is in the episodes around it."""
-    weights, numbers = _weights(learned.sums, number), [*learned.takes]
+    numbers = [*learned.takes]
     place = numbers.index(number)
     for other in numbers[max(place - _OTHERS, 0) : place + _OTHERS + 1]:
         if other != number:
-            yield float(_curve(_with_places_of(learned, number, other), weights)[0]), other
+            yield _fit_of_another(learned, number, other), other
+
+
+def _fit_of_another(learned: _Learned, number: int, other: int) -> float:
+    """Return how well the pictures of an episode fit where the robot is in another, as learned from neither."""
+    return float(_curve(_with_places_of(learned, number, other), _weights(learned.sums, number, other))[0])
 
 
 def _with_places_of(learned: _Learned, number: int, other: int) -> _Ready:
@@ -285,9 +290,9 @@ def _sums(ready: _Ready, delay: int) -> _Sums:
     return _Sums(terms.T @ terms, terms.T @ ready.cells[delay])
 
 
-def _weights(learned: Mapping[int, _Sums], but: int | None = None) -> Floats:
-    """Return how the cells follow from the terms, (n_terms, n_cells), as learned from all of these episodes but one."""
-    some = [sums for number, sums in learned.items() if number != but]
+def _weights(learned: Mapping[int, _Sums], *but: int) -> Floats:
+    """Return how the cells follow from the terms, (n_terms, n_cells), as learned from all these episodes but some."""
+    some = [sums for number, sums in learned.items() if number not in but]
     terms, cells = (np.sum(each, axis=0) for each in zip(*some, strict=True))
     weights: Floats = np.linalg.solve(terms + _RIDGE * np.eye(len(terms)), cells)
     return weights
