@@ -1145,7 +1145,7 @@ ON_SIGNS: dict[str, Kind] = {
         WIDE,
         {ALL: ALIKE},
     ),
-    "quaternion-sign": Kind(
+    "quaternion-flips": Kind(
         "a library gives q where it gave -q before: one turn, and a leap to a policy",
         values(STATE, ("qx", "qy", "qz", "qw"), negative_at_times),
         ("qx", "qy", "qz", "qw", STATE),

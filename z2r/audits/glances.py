@@ -1,9 +1,10 @@
 """What do some pictures of each episode look like, once they are decoded? What is kept of them is a few numbers.
 
-About fifty pictures of each episode of each camera are looked at, spread over it, and made small.
+About fifty pictures of each episode of each camera are looked at, spread over it, and made small; of each second one
+the next as well, as what flickers or hangs is seen from one picture to the next only.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from functools import partial
 from pathlib import Path
@@ -82,6 +83,9 @@ class Glance(NamedTuple):
         How far each is from the one before, on average over the picture, and where it is farthest.
     prints : ndarray, uint8[4, 24, 32]
         Some of them, smaller still.
+    near, far : ndarray, float64[n_pairs], float64[n - 1]
+        How far the pictures of some of these frames are from that of the next frame, and all from the next of these: on
+        average, all made as bright.
     cells : ndarray, float16[n, 48]
         How bright each of 6 x 8 parts of them is, where the whole is 128: so that no exposure matters.
     view : ndarray, uint8[12, 16, 3]
@@ -94,6 +98,8 @@ class Glance(NamedTuple):
     grain: Floats
     change: Floats
     peak: Floats
+    near: Floats
+    far: Floats
     prints: NDArray[np.uint8]
     cells: NDArray[np.float16]
     view: NDArray[np.uint8]
@@ -185,21 +191,23 @@ def _look_at_video(root: Path, fps: float, reel: Reel) -> Iterator[tuple[int, Gl
     starts = np.searchsorted(index.times, reel.begins - 0.5 / fps)
     stops = np.searchsorted(index.times, reel.begins + (reel.lengths - 0.5) / fps)
     wanted = [_some(index.is_key, start, stop) for start, stop in zip(starts.tolist(), stops.tolist(), strict=True)]
-    numbers = np.unique(np.concatenate(wanted))
+    pairs = [_with_next(some, stop) for some, stop in zip(wanted, stops.tolist(), strict=True)]
+    numbers = np.unique(np.concatenate(pairs))
     pictures = dict(decode_video(root, reel.path, index, numbers)) if len(numbers) else {}
     for row, begins, some in zip(reel.rows.tolist(), reel.begins, wanted, strict=True):
         seen = some[np.isin(some, list(pictures))]
         if len(seen) >= _FEW:
-            yield row, _glance((index.times[seen] - begins) * fps, [pictures[number] for number in seen.tolist()])
+            yield row, _glance((index.times[seen] - begins) * fps, seen, pictures)
 
 
 def _look_at_images(root: Path, reel: Reel) -> Iterator[tuple[int, Glance]]:
     wanted = [_evenly(np.arange(n)) + first for n, first in zip(reel.lengths, reel.begins, strict=True)]
-    pictures = dict(decode_images(root, reel.path, reel.camera, np.concatenate(wanted)))
+    pairs = [_with_next(some, first + n) for some, n, first in zip(wanted, reel.lengths, reel.begins, strict=True)]
+    pictures = dict(decode_images(root, reel.path, reel.camera, np.unique(np.concatenate(pairs))))
     for row, first, some in zip(reel.rows.tolist(), reel.begins, wanted, strict=True):
         seen = some[np.isin(some, list(pictures))]
         if len(seen) >= _FEW:
-            yield row, _glance((seen - first).astype(np.float64), [pictures[number] for number in seen.tolist()])
+            yield row, _glance((seen - first).astype(np.float64), seen, pictures)
 
 
 def _some(is_key: Bools, start: int, stop: int) -> Ints:
@@ -209,14 +217,23 @@ def _some(is_key: Bools, start: int, stop: int) -> Ints:
     return _evenly(keys if len(keys) >= enough else np.arange(start, stop))
 
 
+def _with_next(numbers: Ints, stop: int) -> Ints:
+    """Add the picture after each second one, if it is not the next episode's."""
+    following = numbers[::2] + 1
+    return np.union1d(numbers, following[following < stop])
+
+
 def _evenly(numbers: Ints) -> Ints:
     n = min(_PICTURES, len(numbers))
     return numbers[np.linspace(0, len(numbers) - 1, n).round().astype(np.int64)] if n else numbers
 
 
-def _glance(frame: Floats, pictures: Sequence[Small]) -> Glance:
-    colours = np.stack([picture.colours for picture in pictures]).astype(np.float32)  # (n, 48, 64, 3)
+def _glance(frame: Floats, numbers: Ints, pictures: Mapping[int, Small]) -> Glance:
+    colours = np.stack([pictures[number].colours for number in numbers.tolist()]).astype(np.float32)  # (n, 48, 64, 3)
     seen = colours @ _BRIGHTNESS  # (n, 48, 64)
+    pairs = [place for place, number in enumerate(numbers.tolist()) if place % 2 == 0 and number + 1 in pictures]
+    following = [pictures[int(numbers[place]) + 1].colours @ _BRIGHTNESS for place in pairs]
+    bright, bright_next = _as_bright(seen), _as_bright(np.array(following).reshape(-1, *seen.shape[1:]))
     apart = np.abs(np.diff(seen, axis=0))
     n, height, width = seen.shape
     prints = seen[(_PRINTS * (n - 1)).round().astype(np.int64)].reshape(-1, height // 2, 2, width // 2, 2)
@@ -225,17 +242,18 @@ def _glance(frame: Floats, pictures: Sequence[Small]) -> Glance:
         frame=frame,
         level=seen.mean(axis=(1, 2)).astype(np.float64),
         spread=seen.std(axis=(1, 2)).astype(np.float64),
-        grain=np.array([picture.grain for picture in pictures]),
+        grain=np.array([pictures[number].grain for number in numbers.tolist()]),
         change=apart.mean(axis=(1, 2)).astype(np.float64),
         peak=apart.max(axis=(1, 2)).astype(np.float64),
+        near=np.abs(bright_next - bright[pairs]).mean(axis=(1, 2)).astype(np.float64),
+        far=np.abs(np.diff(bright, axis=0)).mean(axis=(1, 2)).astype(np.float64),
         prints=prints.mean(axis=(2, 4)).round().astype(np.uint8),
-        cells=_cells(seen).astype(np.float16),
+        cells=bright.reshape(n, height // 8, 8, width // 8, 8).mean(axis=(2, 4)).reshape(n, -1).astype(np.float16),
         view=np.median(quarters, axis=0).round().astype(np.uint8),
     )
 
 
-def _cells(seen: Array) -> Floats:
-    n, height, width = seen.shape
-    cells = seen.reshape(n, height // 8, 8, width // 8, 8).mean(axis=(2, 4)).reshape(n, -1)  # (n, 48)
-    as_bright: Floats = cells * (128 / np.maximum(cells.mean(axis=1, keepdims=True), 1))
+def _as_bright(seen: Array) -> Floats:
+    """Make pictures (n, height, width) as bright as each other: 128 on average."""
+    as_bright: Floats = seen * (128 / np.maximum(seen.mean(axis=(1, 2), keepdims=True), 1))
     return as_bright

@@ -41,7 +41,10 @@ _HARDLY = 0.25  # of a large change while the robot moves
 _SLOW, _TURNS = 0.2, 8  # of the robot's way, and steps between two in which it moves
 _FITFUL = 0.5  # of these steps: from little change to more, or back
 
-_MOSTLY = 0.5  # of the robot's way
+_MOSTLY, _A_WHILE, _NEVER = 0.5, 0.12, 0.03  # of the robot's way
+_PAIRS, _APART = 8, 1.5  # pairs of pictures, and frames between those that are far apart
+_MUCH, _AS_FAR = 8, 0.9  # of 255, by which pictures differ; and of what they differ by that are far apart
+_FEW, _ALONE, _FOR_GOOD = 4, 4, 0.25  # pictures; times what most differ by; of a leap, what stays of it
 _TINY = 1e-9  # of it
 
 
@@ -69,9 +72,10 @@ class Look(NamedTuple):
         Which feature it is, and where they are stored.
     number : ndarray, int64[n_episodes]
         What the dataset calls the episodes.
-    flat, blank, dark, still, slow, astray : Suspects
+    flat, blank, dark, still, hung, slow, flicker, leap, astray : Suspects
         Where they are of one colour, or noise; some of them are; some of them are black; stay the same although the
-        robot moves; do so again and again; do not go with the robot.
+        robot moves; do so for a while; do so again and again; differ from one to the next; are others from some frame
+        on; do not go with the robot.
     mend : str
         How to be surer; empty where it is sure.
     fits : float
@@ -89,7 +93,10 @@ class Look(NamedTuple):
     blank: Suspects
     dark: Suspects
     still: Suspects
+    hung: Suspects
     slow: Suspects
+    flicker: Suspects
+    leap: Suspects
     astray: Suspects
     mend: str
     fits: float = np.nan
@@ -198,18 +205,22 @@ def _way(places: Floats) -> Floats:
 
 def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths: Mapping[int, _Path]) -> Look:
     number, moves = runs.claims.stored.episodes.value.table.number, _robot_moves(runs)
-    flat, blank, dark, still, slow = np.zeros((5, len(moves)), dtype=bool)
+    flat, blank, dark, still, hung, slow, flicker, leap = np.zeros((8, len(moves)), dtype=bool)
     share, again = {}, {}
     for row, glance in seen.items():
         flat[row] = glance.spread.max() <= _ONE_COLOUR or np.median(glance.grain) >= _NO_SIGNAL
         nothing = _shows_nothing(glance)
         dark[row] = not flat[row] and nothing.any() and glance.level[nothing].max() <= _DARK
         blank[row] = not flat[row] and nothing.any() and not dark[row]
+        flicker[row] = not flat[row] and _flickers(glance)
+        leap[row] = not (flat[row] or nothing.any() or flicker[row]) and _leap(glance) > 0
         if moves[row] and row in paths and not flat[row]:
             path = paths[row]
             way = np.diff(np.interp(glance.frame, path.frames, path.way))
             share[row] = _longest(way, glance.peak <= _NOISE) / max(way.sum(), _TINY)
             still[row] = share[row] >= _MOSTLY
+            elsewhere = (way * (glance.peak <= _NOISE)).sum() / max(way.sum(), _TINY) - share[row]
+            hung[row] = elsewhere <= _NEVER and _A_WHILE <= share[row] < _MOSTLY
             again[row], repeats = _repeats(way, glance.peak)
             slow[row] = repeats and not still[row]
     return Look(
@@ -220,6 +231,9 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths:
         blank=Suspects(blank, lambda row: _blanks(seen[row])),
         dark=Suspects(dark, lambda row: _blanks(seen[row])),
         still=Suspects(still, lambda row: f"the same picture for {share[row]:.0%} of the robot's way"),
+        hung=Suspects(hung, lambda row: f"the same picture for {share[row]:.0%} of the robot's way"),
+        flicker=Suspects(flicker, lambda row: _said_of_flicker(seen[row])),
+        leap=Suspects(leap, lambda row: _said_of_leap(seen[row])),
         slow=Suspects(slow, lambda row: f"the picture of before again for {again[row]:.0%} of the robot's way"),
         astray=_nobody(moves),
         mend="",
@@ -246,6 +260,35 @@ def _held_against_the_robot(look: Look, seen: Mapping[int, Glance], runs: Runs, 
     fits, astray, late = fit(takes)
     wrong = np.isin(look.number, list(astray))
     return look._replace(fits=fits, late=late, astray=Suspects(wrong, lambda row: astray[int(look.number[row])]))
+
+
+def _flickers(glance: Glance) -> bool:
+    """Tell whether a picture is farther from the next than those are that lie far apart."""
+    if len(glance.near) < _PAIRS or np.median(np.diff(glance.frame)) < _APART:
+        return False
+    near, far = np.quantile(glance.near, 0.75), np.quantile(glance.far, 0.75)
+    return bool(near >= max(_MUCH, _AS_FAR * far))
+
+
+def _said_of_flicker(glance: Glance) -> str:
+    near, far = np.quantile(glance.near, 0.75), np.quantile(glance.far, 0.75)
+    apart = np.median(np.diff(glance.frame))
+    return f"pictures that differ from the next by {near:.0f} of 255, and from those {apart:.0f} frames on by {far:.0f}"
+
+
+def _leap(glance: Glance) -> int:
+    """Return from which of the pictures on the picture is another one, after a leap; 0 where it is none."""
+    leap = int(glance.change.argmax()) + 1
+    before, after = (np.median(some, axis=0) for some in (glance.cells[:leap], glance.cells[leap:]))
+    for_good = np.abs(before - after).mean() >= _FOR_GOOD * glance.change[leap - 1]
+    inside = _FEW <= leap <= len(glance.frame) - _FEW
+    alone = glance.change[leap - 1] >= max(_MUCH, _ALONE * np.quantile(glance.change, 0.9))
+    return leap if inside and alone and for_good else 0
+
+
+def _said_of_leap(glance: Glance) -> str:
+    leap = _leap(glance)
+    return f"another picture from frame {glance.frame[leap]:.0f} on, by {glance.change[leap - 1]:.0f} of 255 at once"
 
 
 def _repeats(way: Floats, peak: Floats) -> tuple[float, bool]:
@@ -347,7 +390,10 @@ def _look_of_sizes(footage: Footage, camera: str, moves: Bools) -> Look:
         ),
         blank=_nobody(moves),
         dark=_nobody(moves),
+        hung=_nobody(moves),
         slow=_nobody(moves),
+        flicker=_nobody(moves),
+        leap=_nobody(moves),
         astray=_nobody(moves),
         mend=_DECODE,
     )
@@ -366,7 +412,10 @@ def _look_of_images(camera: str, runs: Runs, sums: ImageSums, moves: Bools) -> L
         still=Suspects(_episodes(runs, same) & moves, lambda _: "the same picture in all frames"),
         blank=_nobody(moves),
         dark=_nobody(moves),
+        hung=_nobody(moves),
         slow=_nobody(moves),
+        flicker=_nobody(moves),
+        leap=_nobody(moves),
         astray=_nobody(moves),
         mend="",
     )

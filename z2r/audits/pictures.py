@@ -51,9 +51,23 @@ def no_camera_is_frozen(looks: Looks) -> Iterator[Answer]:
         still = look.still._replace(wrong=look.still.wrong & ~look.flat.wrong)
         for fault in _looks_wrong(look, still, "pictures that change, as the robot moves"):
             yield ("note" if still.wrong.mean() > 0.5 else "warning"), fault
+        for fault in _looks_wrong(look, look.hung, "pictures that change, as the robot moves"):
+            yield "note", fault._replace(mend="Did the camera hang, or was the robot out of the picture? Look at it")
         for fault in _looks_wrong(look, look.slow, "pictures that change, as the robot moves"):
             mend = "Is the camera slower than fps? Then a picture is older than its frame says"
             yield ("note" if look.slow.wrong.mean() > 0.5 else "warning"), fault._replace(mend=mend)
+
+
+@Check("camera-leap", "the picture goes on smoothly: it neither flickers nor is another one at once", "warning").of(
+    Looks
+)
+def no_picture_leaps(looks: Looks) -> Iterator[Answer]:
+    """Is each picture much like the next one, and does the camera stay where it is?"""
+    for look in looks.cameras:
+        for fault in _looks_wrong(look, look.flicker, "a picture that is much like the next one"):
+            yield fault._replace(mend="Are pictures broken, or of two cameras in turn? Look at some in a row")
+        for fault in _looks_wrong(look, look.leap, "a picture that stays"):
+            yield fault._replace(mend="Was the camera pushed, or does another recording begin there? Look at it")
 
 
 @Check("camera-unlike", "the pictures of an episode look like those of the others of its camera", "warning").of(Looks)

@@ -64,7 +64,7 @@ def check_can_decode() -> None:
 
 
 def decode_video(root: Path, path: Path, index: VideoIndex, wanted: Ints) -> Iterator[tuple[int, Small]]:
-    """Decode some pictures of a video, and only those where all of them can be decoded alone.
+    """Decode some pictures of a video, and of the others only those that they need.
 
     Parameters
     ----------
@@ -218,15 +218,17 @@ def decode_images(root: Path, path: Path, feature: str, wanted: Ints) -> Iterato
 
 
 def _packets(packets: "Iterator[av.Packet]", index: VideoIndex, unit: float, wanted: Ints) -> "Iterator[av.Packet]":
-    """Yield the packets that must be decoded, from the first to the last picture that is wanted."""
-    alone = bool(index.is_key[wanted].all())
+    """Yield the packets that must be decoded: those from a key picture to the last one that is wanted and needs it."""
+    ahead = 0 if index.is_key[wanted].all() else _AHEAD
+    key_of = np.cumsum(index.is_key)
+    last = dict(zip(key_of[wanted].tolist(), wanted.tolist(), strict=True))  # of the wanted ones of each key picture
     for packet in packets:
         if packet.pts is None:
             return
         number = _number(index, unit, packet.pts)
-        if not alone or number in wanted:
+        if number <= last.get(int(key_of[number]), -1 - ahead) + ahead:
             yield packet
-        if number >= wanted[-1] + (0 if alone else _AHEAD):
+        if number >= wanted[-1] + ahead:
             return
 
 
