@@ -300,7 +300,8 @@ def write_replay(
     Raises
     ------
     DatasetError
-        If a data file is missing, damaged, or not what the schema and the index say.
+        If a data file is missing, damaged, or not what the schema and the index say; or if `path` is in the dataset,
+        which is never written to, or cannot be written.
     ValueError
         If there is no such episode.
     """
@@ -340,9 +341,8 @@ def write_report(
     Raises
     ------
     DatasetError
-        If a data file is missing, damaged, or not what the schema and the index say.
-    ValueError
-        If `path` is inside the dataset, which is never written to.
+        If a data file is missing, damaged, or not what the schema and the index say; or if `path` is in the dataset,
+        which is never written to, or cannot be written.
     """
     dataset = _loaded(dataset)
     reading = reading or choose_reading(dataset.schema)

@@ -8,7 +8,6 @@ import functools
 import importlib.util
 import io
 import sys
-import tempfile
 from collections.abc import Callable, Iterator
 from importlib.abc import MetaPathFinder
 from pathlib import Path
@@ -17,8 +16,8 @@ from typing import TYPE_CHECKING, NamedTuple, NoReturn
 import rich_click as click
 
 from z2r.data import MESSY, STANDIN, find_dataset
-from z2r.errors import DatasetError, Fault, MissingExtraError, count
-from z2r.format.store import folder_name
+from z2r.errors import DatasetError, MissingExtraError, count
+from z2r.format.store import exists, folder_name, outside, write
 from z2r.pusht.task import DEMO_NOISE, MAX_STEPS
 from z2r.reading.breaks import BREAK_MODES, BreakMode
 
@@ -48,8 +47,10 @@ def main() -> None:
         sys.stdout.reconfigure(errors="replace")  # a character that a terminal lacks is no reason to end
     try:
         cli(prog_name="z2r")
-    except (DatasetError, MissingExtraError, OSError) as error:
+    except (DatasetError, MissingExtraError) as error:
         _stop(f"{error}")
+    except OSError as error:  # what has no name and is written to is a disk or a pipe behind the standard output
+        _stop(f"standard output: {error.strerror.lower()}" if error.strerror and not error.filename else f"{error}")
 
 
 def _stop(why: str) -> NoReturn:
@@ -195,7 +196,8 @@ def inspect(
         raise click.UsageError("--seed and --smoke record afresh: leave DATASET out, or leave them out")
     root = _record_afresh(out, wanted, quiet=as_json) if afresh else find_dataset(dataset)
     title = "recorded afresh" if afresh else folder_name(root)
-    _refuse_inside(root, out)
+    for name in ("metrics.json", "inspect.rrd"):
+        outside(root, out / name)
     data, lost = _load(root, salvaged=salvage)
     screen = console(as_json)
     with _way_out(root, salvaged=salvage):
@@ -267,11 +269,6 @@ def _read_verdict(root: Path) -> "tuple[Recording | None, str]":
         return read_verdict(root), ""
     except DatasetError as error:
         return None, f"verdict: it cannot be read. {error}"
-
-
-def _refuse_inside(root: Path, out: Path, option: str = "--out") -> None:
-    if out.resolve().is_relative_to(root.resolve()):
-        raise click.UsageError(f"{out} is inside the dataset, which is never written to: name another {option}")
 
 
 def _announce(screen: "Console", command: str, dataset: "Dataset") -> None:
@@ -367,8 +364,7 @@ def _write_metrics(
         episodes_read = range(len(inspection.episodes))
         numbers |= {"episode_numbers": [inspection.episodes.number(i) for i in episodes_read], "left_out": left_out}
     metrics = metrics_json(numbers)
-    out.mkdir(parents=True, exist_ok=True)
-    (out / "metrics.json").write_bytes(metrics)
+    write(out / "metrics.json", metrics, inspection.dataset.root)
     return metrics
 
 
@@ -427,11 +423,9 @@ def report(dataset: Path | None, *, reading: "Reading | None", out: Path, with_a
     data = load(find_dataset(dataset))
     reading = _fitting(reading, data.schema)
     _announce(screen, "report" if with_audit else "report --no-audit", data)
-    try:
-        with progress("reading", "frames", quiet=False) as move:
-            written = write_report(data, out, reading, move, with_audit=with_audit)
-    except ValueError as error:
-        raise click.UsageError(f"--out: {error}") from None
+    outside(data.root, out)  # before the work, which takes a while
+    with progress("reading", "frames", quiet=False) as move:
+        written = write_report(data, out, reading, move, with_audit=with_audit)
     screen.print(f"wrote {written.path}: open it in a browser", soft_wrap=True)
     if written.left_out:
         screen.print(f"to keep the page small: {written.left_out}", soft_wrap=True)
@@ -493,7 +487,7 @@ def audit(
     title = folder_name(root)
     screen = console(as_json)
     if keep:
-        _refuse_inside(root, keep, "--keep")
+        outside(root, keep)
     with contextlib.suppress(DatasetError):  # of a schema that cannot be read, the audit says why
         _fitting(reading, read_schema(root))
     if isinstance(mode, str):
@@ -507,19 +501,18 @@ def audit(
         found = audit_dataset(root, mode, reading, move, pictures=pictures)
     screen.print(audit_report(found, title), crop=False)
     if keep:
-        _write_kept(found, keep, screen)
+        _write_kept(found, keep, screen, root)
     if as_json:
         click.echo(msgspec.json.format(msgspec.json.encode(found.to_dict(title)), indent=2))
     sys.exit(found.exit_code)
 
 
-def _write_kept(found: "Audit", path: Path, screen: "Console") -> None:
+def _write_kept(found: "Audit", path: Path, screen: "Console", root: Path) -> None:
     """Write the episodes that no error is about, and say of which errors that tells nothing."""
     if not found.readable:
         screen.print(f"did not write {path}: nobody knows what an episode is", soft_wrap=True)
         return
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(f"{[*found.kept]}\n", encoding="utf-8")
+    write(path, f"{[*found.kept]}\n".encode(), root)
     screen.print(f"wrote {path}: {len(found.kept):,} of {count(found.n_episodes, 'episode')}", soft_wrap=True)
     if found.of_all:
         screen.print(
@@ -569,10 +562,9 @@ def reading(dataset: Path | None, *, out: Path | None) -> None:
     if out is None:
         click.echo(draft, nl=False)
         return
-    _refuse_inside(data.root, out)
-    if out.exists():
+    if exists(out):
         raise click.UsageError(f"--out: {out} exists, and you may have filled it in: name another file")
-    out.write_text(draft, encoding="utf-8")
+    write(out, draft.encode(), data.root)
     click.echo(f"wrote {out}: fill in what is unknown, then z2r inspect {data.root} --reading {out}")
 
 
@@ -646,7 +638,7 @@ class _Wanted(NamedTuple):
     max_steps: int
 
 
-def _record(out: Path, wanted: _Wanted, noise: float, quiet: bool) -> None:
+def _record(out: Path, wanted: _Wanted, noise: float, *, quiet: bool, replace: bool = False) -> None:
     from z2r.pusht.simulator import recorder
     from z2r.show.terminal import console, expectation, progress
 
@@ -655,31 +647,11 @@ def _record(out: Path, wanted: _Wanted, noise: float, quiet: bool) -> None:
     screen.print(expectation("record", wanted.episodes), soft_wrap=True)
     seeds = range(wanted.seed, wanted.seed + wanted.episodes)
     with progress("recording", "episodes", quiet) as move:
-        recorder.record(out, seeds, noise, wanted.max_steps, move)
+        recorder.record(out, seeds, noise, wanted.max_steps, move, replace=replace)
 
 
 def _record_afresh(out: Path, wanted: _Wanted, *, quiet: bool) -> Path:
     """Record into `out`, in place of what an earlier run recorded there, and return the dataset."""
     root = out / "dataset"
-    with _replacing_a_recording(root) if root.exists() else contextlib.nullcontext():
-        _record(root, wanted, DEMO_NOISE, quiet)
+    _record(root, wanted, DEMO_NOISE, quiet=quiet, replace=True)
     return root
-
-
-@contextlib.contextmanager
-def _replacing_a_recording(root: Path) -> Iterator[None]:
-    """Make way for a new recording; the one that is there comes back if no new one comes about."""
-    from z2r.reading.verdict import read_verdict, verdict_path
-
-    verdict = verdict_path(root)
-    if read_verdict(root) is None:
-        expected = f"nothing, or a recording with {verdict.name} beside it, which is replaced"
-        raise DatasetError(Fault(root, "", "something else", expected, "Move it away, or name another --out"))
-    with tempfile.TemporaryDirectory(prefix=".", suffix=".replaced", dir=root.parent) as folder:
-        aside = [path.rename(Path(folder) / path.name) for path in (root, verdict)]
-        try:
-            yield
-        except BaseException:
-            for path in aside:
-                path.rename(root.parent / path.name)
-            raise
