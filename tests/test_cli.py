@@ -228,9 +228,10 @@ def test_a_closed_standard_output_is_one_line(tmp_path):
     assert result.stderr == "z2r: standard output is closed: send it to a file, or to /dev/null\n"
 
 
-@pytest.mark.parametrize("command", ["inspect", "audit", "report"])
-def test_a_reader_that_leaves_early_is_no_fault(command, tmp_path):
-    result = shell(f"z2r {command} | true", tmp_path)
+@pytest.mark.parametrize("reader", ["true", "head -1"])
+@pytest.mark.parametrize("command", ["inspect", "inspect --json", "audit", "report", "reading"])
+def test_a_reader_that_leaves_early_is_no_fault(command, reader, tmp_path):
+    result = shell(f"z2r {command} | {reader}", tmp_path)
     assert result.stderr == ""
 
 

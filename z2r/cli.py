@@ -215,7 +215,7 @@ def inspect(
     elif rerun is None and not smoke:
         screen.print(_NO_REPLAY, soft_wrap=True)
     if as_json:
-        sys.stdout.buffer.write(metrics)
+        click.echo(metrics, nl=False)
 
 
 def _inspect(

@@ -148,7 +148,7 @@ def folder_for(*paths: Path) -> Iterator[Path]:
 
 
 def _exchange(folder: Path, aside: Path, paths: tuple[Path, ...]) -> None:
-    moves = [(path, aside / path.name) for path in reversed(paths) if path.exists()]
+    moves = [(path, aside / path.name) for path in paths if path.exists()]
     moves += [(folder / path.name, path) for path in paths]
     done = []
     try:
