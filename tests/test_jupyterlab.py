@@ -81,9 +81,11 @@ def test_run_all_finishes_and_draws_the_figures(page, server, tmp_path):
     expect(notebook.locator(".jp-CodeCell")).to_have_count(len(cells), timeout=60 * SECONDS)
     kernel = page.locator(".jp-Notebook-ExecutionIndicator")
     expect(kernel).to_have_attribute("data-status", "idle", timeout=60 * SECONDS)
-    page.get_by_role("menuitem", name="Run", exact=True).click()
-    page.get_by_role("menuitem", name="Run All Cells", exact=True).click()
     prompts = notebook.locator(".jp-CodeCell .jp-InputPrompt")
+    while prompts.last.text_content() == "[ ]:":  # JupyterLab may drop a command while its menu is still being made
+        page.get_by_role("menuitem", name="Run", exact=True).click()
+        page.get_by_role("menuitem", name="Run All Cells", exact=True).click()
+        page.wait_for_timeout(2 * SECONDS)
     expect(prompts.last).to_have_text(f"[{len(cells)}]:", timeout=60 * SECONDS)
     expect(kernel).to_have_attribute("data-status", "idle")
     page.screenshot(path=tmp_path / "notebook.png", full_page=True)

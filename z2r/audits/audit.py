@@ -21,7 +21,7 @@ from z2r.audits import cameras, index, joints, labels, motion, pictures, readine
 from z2r.audits.claims import Claims, NoSchema, Stored, claims_under, read_claims
 from z2r.audits.findings import AUDIT, Finding, ask, failed
 from z2r.audits.following import MIN_FRAMES, Pair, fold_following, join_following, pairs_of
-from z2r.audits.footage import FileImages, Footage, read_file_images, read_footage, sum_images, sum_way
+from z2r.audits.footage import FileImages, Footage, read_file_images, read_footage, sum_images, sum_places
 from z2r.audits.frames import FileClaims, FileFrames, file_claims, run_stats
 from z2r.audits.glances import glance_at, join_filmed
 from z2r.audits.joints import Joints
@@ -175,7 +175,7 @@ def audit(
         return _ended(findings, mode)
     findings += ask(asked_of(Claims, PARTS), claims)
     files = file_claims(claims, under_mode=mode is not None)
-    sums = _fold_files(claims, files, scene, progress, executor)
+    sums = _fold_files(claims, files, scene, pictures, progress, executor)
     findings += [finding for part in sums for finding in part.findings]
     runs = join_runs(claims, files, sums)
     findings += _ask_of_all(claims, files, sums, runs, scene)
@@ -200,11 +200,12 @@ def _fold_files(
     claims: Claims,
     files: Sequence[FileClaims],
     scene: Scene | None,
+    pictures: bool,
     progress: Progress,
     executor: Executor | None,
 ) -> list[FileSums]:
-    pairs = pairs_of(claims.schema, claims.reading)
-    work = partial(_fold_file, claims.root, claims.schema, claims.stored.task_numbers, claims.reading, pairs, scene)
+    schema, numbers, pairs = claims.schema, claims.stored.task_numbers, pairs_of(claims.schema, claims.reading)
+    work = partial(_fold_file, claims.root, schema, numbers, claims.reading, pairs, scene, pictures)
     sums = []
     for part in in_order(work, files, executor):
         sums.append(part)
@@ -219,6 +220,7 @@ def _fold_file(
     reading: Reading | None,
     pairs: Sequence[Pair],
     scene: Scene | None,
+    pictures: bool,
     claims: FileClaims,
 ) -> FileSums:
     """Read one data file, ask of it all that there is to ask, and keep what the others are held against."""
@@ -243,7 +245,7 @@ def _fold_file(
             idle=fold_idle(frames),
             tasks=fold_tasks(frames),
             images=sum_images(images),
-            way=sum_way(frames),
+            places=sum_places(frames) if pictures else None,
         )
     except Exception as error:
         return FileSums(None, [failed(claims.path.as_posix(), error)])

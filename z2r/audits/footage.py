@@ -25,7 +25,7 @@ from z2r.format.videos import read_video
 
 _ALIKE = 2  # bytes: what is encoded alike differs by no more
 _ENDS = 2  # pictures
-_WAY = 65  # frames of an episode, of which it is kept how far the robot has come
+_PLACES = 129  # of the robot in each episode: enough to know where it is in between
 _MAX_LENGTH = 2**31  # frames of an episode: a sum of lengths that somebody claims must not overflow
 
 # Measured from 96 x 96 to 480 x 640: one colour takes 107 to 1,949 bytes as PNG (level 6), and 771 to 5,429 as JPEG;
@@ -209,31 +209,22 @@ def _are_alike(sizes: Ints, sort: Bools, start: Ints, stop: Ints) -> Bools:
 # --- the robot
 
 
-def sum_way(frames: FileFrames) -> Floats | None:
-    """Say how far the robot has come, in each run, at `way_frames`: (n_runs, 65), from 0 to 1, of all its way.
+def sum_places(frames: FileFrames) -> Floats | None:
+    """Say where the robot is, in each run, at `place_frames`: float32[n_runs, 129, size], in its own units.
 
-    Each column of the state counts alike, so that neither its unit nor its noise outweighs the others. None where there
-    is no camera, or no state.
+    None where there is no camera, and neither state nor action.
     """
     moved = frames.read.frames.get(STATE, frames.read.frames.get(ACTION))
     if moved is None or not cameras_of(frames.schema):
         return None
     starts = frames.run_starts
-    n = np.diff(np.append(starts, len(moved)))
-    steps = np.abs(np.diff(moved.astype(np.float64), axis=0, prepend=moved[:1]))  # (n_frames, size)
-    steps[starts] = 0
-    whole = np.add.reduceat(steps, starts)  # (n_runs, size)
-    moving = np.maximum(1, (whole > 0).sum(axis=1))
-    share = np.divide(1, whole, out=np.zeros_like(whole), where=whole > 0) / moving[:, None]
-    way = np.cumsum((steps * np.repeat(share, n, axis=0)).sum(axis=1))
-    at = way[starts[:, None] + way_frames(n)]  # (n_runs, 65)
-    come: Floats = at - at[:, :1]
-    return come
+    places: Floats = moved.astype(np.float32)[starts[:, None] + place_frames(np.diff(np.append(starts, len(moved))))]
+    return places
 
 
-def way_frames(n_frames: Ints) -> Ints:
-    """Return at which frames of an episode its way is known: int64[n, 65]."""
-    return (np.linspace(0, 1, _WAY) * (np.asarray(n_frames)[..., None] - 1)).round().astype(np.int64)
+def place_frames(n_frames: Ints) -> Ints:
+    """Return at which frames of an episode the place of its robot is kept: int64[n, 129]."""
+    return (np.linspace(0, 1, _PLACES) * (np.asarray(n_frames)[..., None] - 1)).round().astype(np.int64)
 
 
 # --- images

@@ -42,8 +42,8 @@ class Filmed(NamedTuple):
         Where the frames of the episodes are.
     images : dict of str to ImageSums
         Of the cameras whose pictures stand in the data files, and can be read in all of them; for each run.
-    ways : ndarray, (n_runs, 65), or None
-        How far the robot has come in each run, from `sum_way`.
+    places : ndarray, float32[n_runs, 129, size], or None
+        Where the robot is in each run, from `sum_places`; only where pictures are decoded.
     files : dict of int to FileClaims
         The data files that can be read, by their numbers.
     """
@@ -51,18 +51,18 @@ class Filmed(NamedTuple):
     footage: Footage
     runs: Runs
     images: dict[str, ImageSums]
-    ways: Floats | None
+    places: Floats | None
     files: dict[int, FileClaims]
 
 
 def join_filmed(footage: Footage, runs: Runs, parts: Sequence[tuple[FileClaims, FileSums]]) -> Filmed:
     """Put what is kept of the data files that can be read after each other."""
-    ways = [said.way for _, said in parts if said.way is not None]
+    places = [said.places for _, said in parts if said.places is not None]
     return Filmed(
         footage=footage,
         runs=runs,
         images=join_images([said.images for _, said in parts]),
-        ways=np.concatenate(ways) if len(ways) == len(parts) else None,
+        places=np.concatenate(places) if len(places) == len(parts) else None,
         files=dict(zip(runs.read, (file for file, _ in parts), strict=True)),
     )
 
@@ -82,6 +82,8 @@ class Glance(NamedTuple):
         How far each is from the one before, on average over the picture, and where it is farthest.
     prints : ndarray, uint8[4, 24, 32]
         Some of them, smaller still.
+    cells : ndarray, float16[n, 48]
+        How bright each of 6 x 8 parts of them is, from 0 to 255.
     view : ndarray, uint8[12, 16, 3]
         What is there most of the time: the median of all of them, in RGB.
     """
@@ -93,6 +95,7 @@ class Glance(NamedTuple):
     change: Floats
     peak: Floats
     prints: NDArray[np.uint8]
+    cells: NDArray[np.float16]
     view: NDArray[np.uint8]
 
 
@@ -217,7 +220,7 @@ def _glance(frame: Floats, pictures: Sequence[Small]) -> Glance:
     apart = np.abs(np.diff(seen, axis=0))
     n, height, width = seen.shape
     prints = seen[(_PRINTS * (n - 1)).round().astype(np.int64)].reshape(-1, height // 2, 2, width // 2, 2)
-    cells = colours.reshape(n, height // 4, 4, width // 4, 4, 3).mean(axis=(2, 4))
+    quarters = colours.reshape(n, height // 4, 4, width // 4, 4, 3).mean(axis=(2, 4))
     return Glance(
         frame=frame,
         level=seen.mean(axis=(1, 2)).astype(np.float64),
@@ -226,5 +229,6 @@ def _glance(frame: Floats, pictures: Sequence[Small]) -> Glance:
         change=apart.mean(axis=(1, 2)).astype(np.float64),
         peak=apart.max(axis=(1, 2)).astype(np.float64),
         prints=prints.mean(axis=(2, 4)).round().astype(np.uint8),
-        view=np.median(cells, axis=0).round().astype(np.uint8),
+        cells=seen.reshape(n, height // 8, 8, width // 8, 8).mean(axis=(2, 4)).reshape(n, -1).astype(np.float16),
+        view=np.median(quarters, axis=0).round().astype(np.uint8),
     )

@@ -9,10 +9,10 @@ import numpy as np
 
 from z2r.arrays import Bools, Floats, Ints
 from z2r.audits.claims import Claims
-from z2r.audits.footage import Footage, ImageSums, VideoSums, way_frames
+from z2r.audits.footage import Footage, ImageSums, VideoSums, place_frames
 from z2r.audits.glances import Filmed, Glance, Glances
 from z2r.audits.runs import Runs
-from z2r.audits.together import Steps, fit
+from z2r.audits.together import Take, fit
 from z2r.audits.views import Unlike, unlike
 from z2r.errors import Fault, some
 from z2r.format.about import cameras_of
@@ -44,8 +44,13 @@ _FITFUL = 0.5  # of these steps: from little change to more, or back
 _MOSTLY = 0.5  # of the robot's way
 _TINY = 1e-9  # of it
 
-type _Way = tuple[Ints, Floats]
-"""At which frames of an episode it is known how far the robot has come, and how far."""
+
+class _Path(NamedTuple):
+    """At which frames of an episode it is known where the robot is, where it is, and how far it has come, up to 1."""
+
+    frames: Ints
+    places: Floats
+    way: Floats
 
 
 class Suspects(NamedTuple):
@@ -70,7 +75,9 @@ class Look(NamedTuple):
     mend : str
         How to be surer; empty where it is sure.
     fits : float
-        How well pictures usually move with the robot: a correlation; nan where too little moves to say it.
+        How well pictures usually go with the robot: a correlation; nan where too little of it is seen to say it.
+    late : float
+        By how much all of them are late [s].
     unlike : sequence of Unlike
         Which episodes look otherwise than the others; nobody knows where no picture is decoded.
     """
@@ -85,6 +92,7 @@ class Look(NamedTuple):
     astray: Suspects
     mend: str
     fits: float = np.nan
+    late: float = 0.0
     unlike: Sequence[Unlike] = ()
 
 
@@ -126,14 +134,21 @@ def looks_of_sizes(filmed: Filmed) -> Looks:
 def looks_of_glances(filmed: Filmed, glances: Glances) -> Looks:
     """Tell from some decoded pictures what all of them look like."""
     runs = filmed.runs
-    way_of = {} if filmed.ways is None else _way_of_episodes(runs, filmed.ways)
-    looks = {camera: _look_of_glances(camera, seen, runs, way_of) for camera, seen in glances.cameras.items()}
+    paths = {} if filmed.places is None else _paths_of_episodes(runs, filmed.places)
+    looks = {camera: _look_of_glances(camera, seen, runs, paths) for camera, seen in glances.cameras.items()}
     twins = [
         Twin(looks[camera], looks[other], _same_views(glances.cameras[camera], glances.cameras[other], runs))
         for other, camera in combinations(looks, 2)
     ]
     views = _own_views(glances, looks, twins)
     looks = {camera: look._replace(unlike=views.get(camera, ())) for camera, look in looks.items()}
+    rights = {camera: _right(look, twins) for camera, look in looks.items()}
+    looks = {
+        camera: _held_against_the_robot(
+            look, {row: own for row, own in seen.items() if rights[camera][row]}, runs, paths
+        )
+        for (camera, look), seen in zip(looks.items(), glances.cameras.values(), strict=True)
+    }
     n_episodes = len(runs.claims.stored.episodes.value.table.number)
     return Looks(list(looks.values()), twins, glances.faults, [*_unseen(glances, n_episodes), *_unfit(looks)])
 
@@ -157,35 +172,43 @@ def _robot_moves(runs: Runs) -> Bools:
 # --- decoded
 
 
-def _way_of_episodes(runs: Runs, ways: Floats) -> dict[int, _Way]:
-    """Return how far the robot has come in each episode, by its row; in those that are in one file as a whole."""
+def _paths_of_episodes(runs: Runs, places: Floats) -> dict[int, _Path]:
+    """Return where the robot goes in each episode, by its row; in those that are in one file as a whole."""
     table = runs.claims.stored.episodes.value.table
     length = dict(zip(table.number.tolist(), enumerate(table.length.tolist()), strict=True))
-    known = {}
-    for number, n_frames, way in zip(runs.number.tolist(), (runs.stop - runs.start).tolist(), ways, strict=True):
+    paths = {}
+    for number, n_frames, own in zip(runs.number.tolist(), (runs.stop - runs.start).tolist(), places, strict=True):
         row, claimed = length.get(number, (-1, -1))
         if n_frames == claimed:
-            known[row] = way_frames(np.array([n_frames]))[0], way
-    return known
+            paths[row] = _Path(place_frames(np.array([n_frames]))[0], own, _way(own))
+    return paths
 
 
-def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, way_of: Mapping[int, _Way]) -> Look:
-    number, fps, moves = runs.claims.stored.episodes.value.table.number, runs.claims.schema.fps, _robot_moves(runs)
+def _way(places: Floats) -> Floats:
+    """Return how far the robot has come at each of its places, from 0 to 1 of all its way.
+
+    Each column counts alike, so that neither its unit nor its noise outweighs the others.
+    """
+    steps = np.abs(np.diff(places.astype(np.float64), axis=0, prepend=places[:1]))  # (n_places, size)
+    whole = steps.sum(axis=0)
+    way: Floats = (steps[:, whole > 0] / whole[whole > 0]).mean(axis=1).cumsum() if whole.any() else steps.sum(axis=1)
+    return way
+
+
+def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths: Mapping[int, _Path]) -> Look:
+    number, moves = runs.claims.stored.episodes.value.table.number, _robot_moves(runs)
     flat, blank, still, slow = np.zeros((4, len(moves)), dtype=bool)
-    steps, share, again = {}, {}, {}
+    share, again = {}, {}
     for row, glance in seen.items():
         flat[row] = glance.spread.max() <= _ONE_COLOUR or np.median(glance.grain) >= _NO_SIGNAL
-        blank[row] = not flat[row] and glance.spread.min() <= _ONE_COLOUR
-        if moves[row] and row in way_of and not flat[row]:
-            way = np.diff(np.interp(glance.frame, *way_of[row]))
+        blank[row] = not flat[row] and _shows_nothing(glance).any()
+        if moves[row] and row in paths and not flat[row]:
+            path = paths[row]
+            way = np.diff(np.interp(glance.frame, path.frames, path.way))
             share[row] = _longest(way, glance.peak <= _NOISE) / max(way.sum(), _TINY)
             still[row] = share[row] >= _MOSTLY
             again[row], repeats = _repeats(way, glance.peak)
             slow[row] = repeats and not still[row]
-            if not still[row] and not blank[row]:
-                seconds = float(np.median(np.diff(glance.frame))) / fps
-                steps[int(number[row])] = Steps(glance.change, way, seconds)
-    fits, astray = fit(steps)
     return Look(
         camera=camera,
         place=_place(runs.claims, camera),
@@ -194,10 +217,31 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, way_of
         blank=Suspects(blank, lambda row: _blanks(seen[row])),
         still=Suspects(still, lambda row: f"the same picture for {share[row]:.0%} of the robot's way"),
         slow=Suspects(slow, lambda row: f"the picture of before again for {again[row]:.0%} of the robot's way"),
-        astray=Suspects(np.isin(number, list(astray)), lambda row: astray[int(number[row])]),
+        astray=_nobody(moves),
         mend="",
-        fits=fits,
     )
+
+
+def _right(look: Look, twins: Sequence[Twin]) -> Bools:
+    """Tell in which episodes the pictures of a camera are such that they can be held against the robot."""
+    right = ~(look.flat.wrong | look.blank.wrong | look.still.wrong)
+    for twin in twins:
+        right &= ~(twin.same & (twin.look.camera == look.camera))
+    for unlike_others in look.unlike:
+        right[unlike_others.rows] = False
+    return right
+
+
+def _held_against_the_robot(look: Look, seen: Mapping[int, Glance], runs: Runs, paths: Mapping[int, _Path]) -> Look:
+    fps, moves = runs.claims.schema.fps, _robot_moves(runs)
+    takes = {
+        int(look.number[row]): Take(glance.cells, glance.frame / fps, paths[row].places, paths[row].frames / fps)
+        for row, glance in seen.items()
+        if moves[row] and row in paths
+    }
+    fits, astray, late = fit(takes)
+    wrong = np.isin(look.number, list(astray))
+    return look._replace(fits=fits, late=late, astray=Suspects(wrong, lambda row: astray[int(look.number[row])]))
 
 
 def _repeats(way: Floats, peak: Floats) -> tuple[float, bool]:
@@ -224,10 +268,17 @@ def _nothing(glance: Glance) -> str:
     return f"one colour, {_shade(glance.level.mean())}" if is_flat else "noise, in which no pixel is like the next"
 
 
+def _shows_nothing(glance: Glance) -> Bools:
+    """Tell which pictures are of one colour, or noise."""
+    nothing: Bools = (glance.spread <= _ONE_COLOUR) | (glance.grain >= _NO_SIGNAL)
+    return nothing
+
+
 def _blanks(glance: Glance) -> str:
-    blank = glance.spread <= _ONE_COLOUR
+    blank = _shows_nothing(glance)
+    said = "one colour" if (glance.spread[blank] <= _ONE_COLOUR).all() else "noise"
     some_of = f"{blank.sum()} of the {len(blank)} pictures that were looked at"
-    return f"one colour in {some_of}, first in frame {glance.frame[blank.argmax()]:.0f},"
+    return f"{said} in {some_of}, first in frame {glance.frame[blank.argmax()]:.0f},"
 
 
 def _own_views(glances: Glances, looks: Mapping[str, Look], twins: Sequence[Twin]) -> dict[str, list[Unlike]]:
@@ -252,7 +303,7 @@ def _unseen(glances: Glances, n_episodes: int) -> Iterator[str]:
 def _unfit(looks: Mapping[str, Look]) -> Iterator[str]:
     names = [camera for camera, look in looks.items() if np.isnan(look.fits)]
     if names:
-        yield f"whether the pictures of {some(names)} go with the motion of the robot: too little of it is seen in them"
+        yield f"whether the pictures of {some(names)} show where the robot is: too little of it is seen in them"
 
 
 def _same_views(seen: Mapping[int, Glance], others: Mapping[int, Glance], runs: Runs) -> Bools:

@@ -44,8 +44,8 @@ class FileSums(NamedTuple):
         Which runs have a frame of which task: pairs of a run and a `task_index`.
     images : dict of str to ImageSums
         Of each feature whose pictures stand in it.
-    way : ndarray, (n_runs, 65), or None
-        How far the robot has come, from `sum_way`.
+    places : ndarray, float32[n_runs, 129, size], or None
+        Where the robot is, from `sum_places`; only where pictures are decoded.
     """
 
     n_rows: int | None
@@ -60,7 +60,7 @@ class FileSums(NamedTuple):
     idle: Ints | None = None
     tasks: Ints | None = None
     images: dict[str, ImageSums] = {}  # noqa: RUF012
-    way: Floats | None = None
+    places: Floats | None = None
 
 
 class Runs(NamedTuple):

@@ -17,6 +17,7 @@ from z2r.audits.frames import RunStats
 from z2r.audits.runs import Runs
 from z2r.check import Answer, Check, Severity
 from z2r.errors import Fault
+from z2r.format.about import cameras_of
 from z2r.format.rules import and_more, episodes_of
 from z2r.format.schema import Feature, is_for_a_policy
 from z2r.format.tables import STATS_PATH, read_shard_statistics
@@ -30,6 +31,7 @@ _EPS = 1e-8  # what LeRobot adds to a std
 # 2; so far that nothing is learnt.
 _FAR, _TWICE, _RUINED = 0.1, 1.0, 100.0
 
+_WHITE = 1.01  # of a picture, with rounding
 _ROUGH = 5e-6  # of a variance, as a share of the largest square
 _FLOAT32_ROUNDING = 2.0**-24  # of a number, at most
 
@@ -59,6 +61,20 @@ def stats_of_the_dataset(runs: Runs) -> Iterator[Answer]:
             effect = fault.mend if seen else "No policy scales by it"
             remedy = "LeRobot sums up in float32, which is too coarse so far from 0" if rounded else recompute
             yield _severity(off, seen), fault._replace(mend=f"{effect}. {remedy}")
+
+
+@STATS.of(Runs)
+def stats_of_cameras(runs: Runs) -> Iterator[Answer]:
+    """Are the statistics of pictures from 0 to 1? LeRobot decodes them so, and scales them by these."""
+    stored = runs.claims.stored.stats.value or {}
+    for camera in cameras_of(runs.claims.schema):
+        for kind in ("mean", "std", "max"):
+            numbers = _numbers(stored.get(camera.name, {}).get(kind))
+            if numbers is not None and numbers.size and numbers.max() > _WHITE:
+                found, expected = f"{numbers.max():.4g}", "at most 1, as LeRobot decodes pictures"
+                mend = "From 0 to 255? Divide them by 255, or a policy sees one dark grey"
+                yield Fault(STATS_PATH, f"{camera.name}.{kind}", found, expected, mend)
+                break
 
 
 @STATS.of(Runs)
@@ -149,7 +165,7 @@ def _differences(
         fault = Fault(STATS_PATH, name, "no statistics", "some for each feature", "A policy sees it unscaled")
         yield _TWICE, False, fault
         return
-    known = {kind: _numbers(stored.get(kind), right.size) for kind, right in true.items()}
+    known = {kind: _numbers_or_what(stored.get(kind), right.size) for kind, right in true.items()}
     said = true | {kind: numbers for kind, numbers in known.items() if not isinstance(numbers, str)}
     tolerance, moves = _tolerance(true, longest), true["std"] > _close(true)
     for kind, right in true.items():
@@ -169,13 +185,20 @@ def _differences(
             yield far[column], not beyond[column], Fault(STATS_PATH, place, number, expected, effect)
 
 
-def _numbers(stored: object, size: int) -> Floats | str:
-    """Return the numbers that are stored, or what is there in their place."""
+def _numbers(stored: object) -> Floats | None:
+    """Return the numbers that are stored, in one row; None where something else is."""
+    try:
+        return np.asarray(stored, dtype=np.float64).ravel()
+    except (TypeError, ValueError, OverflowError):
+        return None
+
+
+def _numbers_or_what(stored: object, size: int) -> Floats | str:
+    """Return so many numbers that are stored, or what is there in their place."""
     if stored is None:
         return "nothing"
-    try:
-        numbers = np.asarray(stored, dtype=np.float64).ravel()
-    except (TypeError, ValueError, OverflowError):
+    numbers = _numbers(stored)
+    if numbers is None:
         return "something else"
     return numbers if numbers.size == size else f"{numbers.size} numbers"
 

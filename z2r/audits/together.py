@@ -1,126 +1,330 @@
-"""Does the picture move when the robot does? How far it changes from one picture to the next, against how far it comes.
+"""Do the pictures go with the robot? What they show is foretold from where it is, and held against what they do show.
 
-Only the dataset itself says what to expect: in a camera that sees little of the robot, little fits, and then nothing is
-said. An episode that fits far less than the others shows something else: another episode, or another time.
+How a picture follows from where the robot is, only the dataset itself can say: each cell of it is fitted to the other
+episodes. Where the robot was a little before, or is a little later, may foretell more: then the pictures are late, or
+early. In a camera that sees little of the robot, little can be foretold, and then nothing is said.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from z2r.arrays import Floats
+from z2r.arrays import Array, Bools, Floats
 
 _MIN_EPISODES = 5  # from fewer nothing can be said about what is usual
-_MIN_STEPS = 12  # from picture to picture: fewer say little about how two things move together
-_DELAYS = [tenths / 10 for tenths in range(-4, 5)]  # s: a camera may well be late by so much, always alike
-_SHIFTS = [sign * quarters / 4 for quarters in range(2, 21) for sign in (-1, 1)]  # s: that is no delay
+_MIN_PICTURES = 12  # of an episode: fewer say little about how two things go together
+_SAMPLE = 32  # episodes, from which it is learned how a picture follows
+_COMPONENTS = 8  # of where the robot is, at most
+_RIDGE = 1.0  # of doubt, as if so much of each term had been seen to mean nothing
+_N_WAVES, _LENGTH, _HEIGHT = 60, 0.7, 0.5  # how many waves over where the robot is, how long [spreads], how high
+_ROUNDS = 4  # until each episode has found its own delay
+_DELAYS = np.arange(-15, 16) / 10  # s
+_NONE = 15  # which of them is 0
 _RESTS = 1e-9  # of what moves
-_FITS, _FITS_NOT = 0.5, 0.25  # correlation: what is usual must be more; what is less fits nothing
-_LESS, _SPREADS = 0.35, 6  # below what is usual, in correlation and in spreads of it: then there must be a reason
-_AS_WELL = 0.15  # below what is usual: with something else it fits
+
+_OTHERS = 32  # episodes before and after, whose robot may be the one that is shown
+
+_FITS, _FITS_NOT = 0.4, 0.25  # correlation: what is usual must be more; what is less fits nothing
+_LATE, _EARLY = 0.45, 0.25  # s: by less all pictures of a camera may well be late, or early
+_NEAR = 0.25  # s: what is held against it
+_MORE, _MOST = 0.02, 0.75  # of correlation, that it must bring in the median, and in how many of the episodes
+_OF_ONE, _GAIN = 0.15, 0.05  # s, and of correlation: how far one episode must be from what is usual
+_MANY = 0.3  # of the episodes: then what they have is usual
+_LESS, _BETTER, _AS_WELL = 0.2, 0.3, 0.15  # of correlation: below what is usual; by so much better; about as well
+_FAR_LESS, _SPREADS = 0.35, 6  # below what is usual, in correlation and in spreads of it: nobody need know why
+_NEIGHBOURS = {1: "in the next episode", -1: "in the episode before"}
 
 
-class Steps(NamedTuple):
-    """From each picture of an episode to the next: how far it changes, and how far the robot comes; (n_steps,).
+class Take(NamedTuple):
+    """Some pictures of an episode, and where the robot is.
 
     Attributes
     ----------
-    change, way : ndarray, float64[n_steps]
-        Of the picture, and of the robot.
-    seconds : float
-        How long a step is.
+    pictures : ndarray, (n_pictures, n_cells)
+        How bright each cell is.
+    at : ndarray, float64[n_pictures]
+        When each was taken [s].
+    places : ndarray, (n_places, size)
+        Where the robot is, in whatever its columns mean.
+    when : ndarray, float64[n_places]
+        When it is there [s].
     """
 
-    change: Floats
-    way: Floats
-    seconds: float
+    pictures: Array
+    at: Floats
+    places: Array
+    when: Floats
 
 
 class Fit(NamedTuple):
-    """How well the pictures of a camera fit.
+    """How well the pictures of a camera go with the robot.
 
     Attributes
     ----------
     usual : float
-        The correlation that is usual; nan where too little moves to say anything.
+        The correlation that is usual; nan where too little of it can be foretold to say anything.
     astray : dict of int to str
         The episodes that do not fit, and what was found of each.
+    late : float
+        By how much the pictures of all the others are late [s], as those of any camera are a little.
     """
 
     usual: float
     astray: dict[int, str]
+    late: float = 0.0
 
 
-def fit(episodes: Mapping[int, Steps]) -> Fit:
-    """Find the episodes, by their numbers, whose pictures do not move with the robot as those of the others do.
+class _Axes(NamedTuple):
+    """What makes few components of where the robot is, those that matter most: (size,) and (size, n_components)."""
+
+    middle: Floats
+    directions: Floats
+
+
+class _Ready(NamedTuple):
+    """A take at each delay, around its mean: (n_delays, n_pictures, n_terms) and (n_delays, n_pictures, n_cells).
+
+    Where the robot is not known at that time, and at all times of delays that leave too little, they are 0.
+    """
+
+    terms: Floats
+    cells: Floats
+
+
+class _Sums(NamedTuple):
+    """The normal equations of a take: (n_terms, n_terms) and (n_terms, n_cells)."""
+
+    terms: Floats
+    cells: Floats
+
+
+class _Learned(NamedTuple):
+    """How pictures follow from where the robot is, and how well: of each episode the correlation at each delay."""
+
+    takes: Mapping[int, Take]
+    axes: _Axes
+    sums: Mapping[int, _Sums]
+    curves: Mapping[int, Floats]
+
+
+def fit(takes: Mapping[int, Take]) -> Fit:
+    """Find the episodes, by their numbers, whose pictures do not go with the robot as those of the others do.
 
     Examples
     --------
-    >>> way = np.random.default_rng(0).random((6, 30))
-    >>> right = {number: Steps(change=way[number], way=way[number], seconds=0.5) for number in range(6)}
-    >>> fit(right)
-    Fit(usual=1.0, astray={})
-    >>> fit(right | {4: Steps(change=way[2], way=way[4], seconds=0.5)}).astray
-    {4: 'a correlation of 0.06 with the motion of the robot, and of 1.00 with that in episode 2'}
+    >>> rng, times = np.random.default_rng(0), np.arange(60) / 10
+    >>> places = np.cumsum(rng.normal(size=(6, 60, 2)), axis=1)
+    >>> seen = np.tanh(places @ rng.normal(size=(2, 5)) / 9)
+    >>> right = {number: Take(seen[number], times, places[number], times) for number in range(6)}
+    >>> fit(right).astray
+    {}
+    >>> fit(right | {4: Take(seen[4], times + 0.6, places[4], times)}).astray
+    {4: 'a correlation of 0.59 with where the robot is, and of 0.99 with where it was 0.6 s before'}
     """
-    episodes = {number: steps for number, steps in episodes.items() if steps.seconds > 0}
-    usual, delay = max((_usual(episodes, delay), delay) for delay in _DELAYS)
-    own = {number: fits for number, steps in episodes.items() if (fits := _shifted(steps, delay)) > -1}
-    better, shift = max((_usual(episodes, shift), shift) for shift in _SHIFTS)
-    if better >= _FITS and better - usual >= _LESS:
-        found = {number: (fits, _shifted(episodes[number], shift), _when(shift)) for number, fits in own.items()}
-        return Fit(better, {number: _said(*said) for number, said in found.items()})
-    if not usual >= _FITS:
+    takes = {number: take for number, take in takes.items() if len(take.at) >= _MIN_PICTURES}
+    if len(takes) < _MIN_EPISODES:
         return Fit(np.nan, {})
-    spread = 1.4826 * float(np.median([abs(each - usual) for each in own.values()]))
-    astray = {}
-    for number, fits in own.items():
-        if fits < usual - max(_LESS, _SPREADS * spread):
-            better, where = max(_others(number, episodes, delay))
-            if better >= usual - _AS_WELL:
-                astray[number] = _said(fits, better, where)
-            elif fits < _FITS_NOT:
-                astray[number] = _said(fits)
-    return Fit(usual, astray)
+    learned, chosen = _learn(takes)
+    curves = learned.curves
+    typical, usual = float(np.median([curve.max() for curve in curves.values()])), _usual_delay(curves)
+    for by, neighbour in _NEIGHBOURS.items():
+        fits = _fits_of_neighbours(learned, chosen, by)
+        if fits >= max(_FITS, typical + _GAIN):
+            said = f"{{}}; {fits:.2f} is usual with that {neighbour}"
+            return Fit(fits, {number: said.format(_said(curve, _NONE)) for number, curve in curves.items()})
+    if not typical >= _FITS:
+        return Fit(np.nan, {})
+    if not -_EARLY <= _DELAYS[usual] <= _LATE:
+        return Fit(typical, {number: _late(curve, _NONE, usual) for number, curve in curves.items()})
+    spread = 1.4826 * float(np.median([abs(curve.max() - typical) for curve in curves.values()]))
+    odd = {number: _odd(learned, number, usual, typical, spread) for number in takes}
+    return Fit(typical, {number: found for number, found in odd.items() if found}, float(_DELAYS[usual]))
 
 
-def _said(fits: float, better: float = 0, where: str = "") -> str:
-    said = f"a correlation of {fits:.2f} with the motion of the robot"
-    return f"{said}, and of {better:.2f} with that {where}" if where else said
+def _odd(learned: _Learned, number: int, usual: int, typical: float, spread: float) -> str:
+    """Say what is odd about the pictures of an episode; empty where nothing is."""
+    curve = learned.curves[number]
+    own, best = float(curve[max(usual - 1, 0) : usual + 2].max()), int(curve.argmax())
+    if curve[best] >= max(_FITS, own + _GAIN) and abs(_DELAYS[best] - _DELAYS[usual]) > _OF_ONE:
+        return _late(curve, usual, best)
+    if own >= typical - _LESS:
+        return ""
+    better, other = max(_fits_of_others(learned, number))
+    if better >= max(typical - _AS_WELL, own + _BETTER):
+        return f"{_said(curve, usual)}, and of {better:.2f} with that in episode {other}"
+    nothing = own < min(_FITS_NOT, typical - max(_FAR_LESS, _SPREADS * spread))
+    return _said(curve, usual) if nothing else ""
 
 
-def _others(number: int, episodes: Mapping[int, Steps], delay: float) -> Iterator[tuple[float, str]]:
-    """Yield how well the pictures of an episode fit at other times, and in other episodes that are as long."""
-    own = episodes[number]
-    for shift in _SHIFTS:
-        yield _shifted(own, shift), _when(shift)
-    for other, steps in episodes.items():
-        if other != number and len(steps.way) == len(own.way):
-            yield _shifted(own._replace(way=steps.way), delay), f"in episode {other}"
+def _late(curve: Floats, usual: int, best: int) -> str:
+    return f"{_said(curve, usual)}, and of {curve[best]:.2f} with {_where(best, 'it')}"
 
 
-def _when(shift: float) -> str:
-    return f"{abs(shift):g} s {'before' if shift > 0 else 'after'}"
+def _said(curve: Floats, delay: int) -> str:
+    return f"a correlation of {curve[delay]:.2f} with {_where(delay, 'the robot')}"
 
 
-def _usual(episodes: Mapping[int, Steps], shift: float) -> float:
-    """Return the correlation that is usual with the motion of so many seconds before; -1 where too few say anything."""
-    known = [fits for steps in episodes.values() if (fits := _shifted(steps, shift)) > -1]
-    return float(np.median(known)) if len(known) >= _MIN_EPISODES else -1.0
+def _where(delay: int, robot: str) -> str:
+    seconds = _DELAYS[delay]
+    if seconds > 0:
+        return f"where {robot} was {seconds:g} s before"
+    return f"where {robot} is" + (f" {-seconds:g} s later" if seconds else "")
 
 
-def _shifted(steps: Steps, shift: float) -> float:
-    """Correlate pictures with the motion of so many seconds before; -1 where that says nothing.
+def _learn(takes: Mapping[int, Take]) -> tuple[_Learned, list[int]]:
+    """Learn from some of the episodes; return also which."""
+    axes = _axes(takes)
+    chosen = np.array([*takes])[np.linspace(0, len(takes) - 1, min(len(takes), _SAMPLE)).astype(int)].tolist()
+    sample = {number: _ready(takes[number], axes) for number in chosen}
+    delays = _own_delays(sample)
+    sums = {number: _sums(ready, delays[number]) for number, ready in sample.items()}
+    curves = {
+        number: _curve(sample.get(number) or _ready(take, axes), _weights(sums, number))
+        for number, take in takes.items()
+    }
+    return _Learned(takes, axes, sums, curves), chosen
 
-    So it is where too little of the episode is left, where a step takes longer, and where one of the two rests. It is
-    their roots that are correlated, in which a large step does not outweigh all small ones.
+
+def _fits_of_neighbours(learned: _Learned, chosen: Sequence[int], by: int) -> float:
+    """Return the correlation that is usual if all pictures are taken for those of an episode so much later."""
+    numbers = [*learned.takes]
+    place_of = {number: place for place, number in enumerate(numbers)}
+    of = {number: place_of[number] + by for number in chosen if 0 <= place_of[number] + by < len(numbers)}
+    ready = {number: _with_places_of(learned, number, numbers[place]) for number, place in of.items()}
+    return _typical(ready, dict.fromkeys(ready, 0))
+
+
+def _fits_of_others(learned: _Learned, number: int) -> Iterator[tuple[float, int]]:
+    """Yield how well the pictures of an episode fit where the robot is in the episodes around it."""
+    weights, numbers = _weights(learned.sums, number), [*learned.takes]
+    place = numbers.index(number)
+    for other in numbers[max(place - _OTHERS, 0) : place + _OTHERS + 1]:
+        if other != number:
+            yield float(_curve(_with_places_of(learned, number, other), weights)[0]), other
+
+
+def _with_places_of(learned: _Learned, number: int, other: int) -> _Ready:
+    """Hold the pictures of one episode against the robot of another, with no delay: the arrays have one."""
+    own, take = learned.takes[number], learned.takes[other]
+    return _ready(own._replace(places=take.places, when=take.when), learned.axes, delays=np.zeros(1))
+
+
+def _axes(takes: Mapping[int, Take]) -> _Axes:
+    places = np.concatenate([take.places for take in takes.values()]).astype(np.float64)  # (n, size)
+    spread = places.std(axis=0)
+    scale = np.divide(1, spread, out=np.zeros_like(spread), where=spread > _RESTS)
+    alike = np.cov((places * scale).T).reshape(len(scale), -1)
+    return _Axes(places.mean(axis=0), scale[:, None] * np.linalg.eigh(alike)[1][:, ::-1][:, :_COMPONENTS])
+
+
+def _ready(take: Take, axes: _Axes, delays: Floats = _DELAYS) -> _Ready:
+    components = (take.places.astype(np.float64) - axes.middle) @ axes.directions  # (n_places, n_components)
+    times = take.at - delays[:, None]  # (n_delays, n_pictures)
+    known = (times >= take.when[0] - _RESTS) & (times <= take.when[-1] + _RESTS)
+    known &= known.sum(axis=1, keepdims=True) >= _MIN_PICTURES
+    at = np.stack([np.interp(times, take.when, each) for each in components.T], axis=-1)
+    return _Ready(_around_mean(_terms(at), known), _around_mean(take.pictures, known))
+
+
+def _terms(at: Floats) -> Floats:
+    """Return of what pictures are made up, (..., n_terms), from components of where the robot is, (..., n_components).
+
+    Themselves, their products, and waves in chosen directions, which stand for whatever is not so simple (Rahimi and
+    Recht, "Random Features for Large-Scale Kernel Machines", 2007): low, so that the rest comes first.
     """
-    n, by = len(steps.way), round(shift / steps.seconds)
-    before, after = max(by, 0), max(-by, 0)
-    if abs(by) > n / 3 or n - abs(by) < _MIN_STEPS or (not by and shift in _SHIFTS):
-        return -1.0
-    both = np.sqrt(np.stack([steps.change[before : n - after], steps.way[after : n - before]]))
-    both -= both.mean(axis=1, keepdims=True)
-    sizes = np.sqrt(np.square(both).sum(axis=1))
-    return float(both.prod(axis=0).sum() / sizes.prod()) if sizes.min() > _RESTS else -1.0
+    n = at.shape[-1]
+    one, other = np.triu_indices(n)
+    rng = np.random.default_rng(0)
+    directions = rng.normal(scale=1 / (_LENGTH * np.sqrt(n)), size=(n, _N_WAVES))
+    waves = _HEIGHT * np.cos(at @ directions + rng.uniform(0, 2 * np.pi, _N_WAVES))
+    terms: Floats = np.concatenate([at, at[..., one] * at[..., other], waves], axis=-1)
+    return terms
+
+
+def _around_mean(values: Array, known: Bools) -> Floats:
+    """Of (n_pictures, k), or that for each delay: what is known, (n_delays, n_pictures), from its mean."""
+    inside = known[..., None]
+    mean = (values * inside).sum(axis=-2, keepdims=True) / np.maximum(inside.sum(axis=-2, keepdims=True), 1)
+    around: Floats = (values - mean) * inside
+    return around
+
+
+def _sums(ready: _Ready, delay: int) -> _Sums:
+    terms = ready.terms[delay]
+    return _Sums(terms.T @ terms, terms.T @ ready.cells[delay])
+
+
+def _weights(learned: Mapping[int, _Sums], but: int | None = None) -> Floats:
+    """Return how the cells follow from the terms, (n_terms, n_cells), as learned from all of these episodes but one."""
+    some = [sums for number, sums in learned.items() if number != but]
+    terms, cells = (np.sum(each, axis=0) for each in zip(*some, strict=True))
+    weights: Floats = np.linalg.solve(terms + _RIDGE * np.eye(len(terms)), cells)
+    return weights
+
+
+def _curve(ready: _Ready, weights: Floats) -> Floats:
+    """Return the correlation of what is shown with what is foretold at each delay, (n_delays,); -1 where nothing is."""
+    foretold = ready.terms @ weights
+    both = (foretold * ready.cells).sum(axis=(1, 2))
+    sizes = np.sqrt(np.square(foretold).sum(axis=(1, 2)) * np.square(ready.cells).sum(axis=(1, 2)))
+    curve: Floats = np.divide(both, sizes, out=np.full(len(both), -1.0), where=sizes > _RESTS)
+    return curve
+
+
+def _curves(sample: Mapping[int, _Ready], delays: Mapping[int, int]) -> dict[int, Floats]:
+    learned = {number: _sums(ready, delays[number]) for number, ready in sample.items()}
+    return {number: _curve(ready, _weights(learned, number)) for number, ready in sample.items()}
+
+
+def _own_delays(sample: Mapping[int, _Ready]) -> Mapping[int, int]:
+    """Find the delay of each episode, as its place in `_DELAYS`.
+
+    Each finds where it fits the others as they are. As that leaves open by how much all of them are late, all are tried
+    at each delay: alike, where they fit as well as each with its own does.
+    """
+    own, places = _settled(sample, dict.fromkeys(sample, _NONE)), range(len(_DELAYS))
+    alike = [dict.fromkeys(sample, place) for place in places]
+    as_well = _typical(sample, own) - _MORE
+    best = _better(sample, alike)
+    if _typical(sample, alike[best]) >= as_well:
+        return _settled(sample, alike[best])
+    apart = [_shifted(own, place - _NONE) for place in places]
+    return _settled(sample, apart[_better(sample, apart)])
+
+
+def _better(sample: Mapping[int, _Ready], tried: Sequence[Mapping[int, int]]) -> int:
+    """Return which of these fits best, if it does so in most episodes; else the best around no delay."""
+    fits = np.array([_fits(sample, delays) for delays in tried])  # (n_delays, n)
+    usual = np.median(fits, axis=1)
+    best, near = int(usual.argmax()), int(np.where(np.abs(_DELAYS) <= _NEAR, usual, -1).argmax())
+    gain = fits[best] - fits[near]
+    return best if np.median(gain) >= _MORE and (gain > 0).mean() >= _MOST else near
+
+
+def _fits(sample: Mapping[int, _Ready], delays: Mapping[int, int]) -> list[float]:
+    """Return the correlation of each at its delay, as the others foretell it at theirs."""
+    ready = {number: _Ready(*(each[delays[number]][None] for each in both)) for number, both in sample.items()}
+    return [float(curve[0]) for curve in _curves(ready, dict.fromkeys(sample, 0)).values()]
+
+
+def _typical(sample: Mapping[int, _Ready], delays: Mapping[int, int]) -> float:
+    return float(np.median(_fits(sample, delays)))
+
+
+def _settled(sample: Mapping[int, _Ready], delays: Mapping[int, int]) -> Mapping[int, int]:
+    for _ in range(_ROUNDS):
+        delays = {number: int(curve.argmax()) for number, curve in _curves(sample, delays).items()}
+    return delays
+
+
+def _shifted(delays: Mapping[int, int], by: int) -> dict[int, int]:
+    return {number: min(max(delay + by, 0), len(_DELAYS) - 1) for number, delay in delays.items()}
+
+
+def _usual_delay(curves: Mapping[int, Floats]) -> int:
+    """Return the delay that many episodes have; of two, the smaller one."""
+    best = np.array([curve.argmax() for curve in curves.values()])
+    share = (np.abs(_DELAYS[best][:, None] - _DELAYS) <= _OF_ONE).mean(axis=0)  # (n_delays,)
+    usual = share >= min(_MANY, share.max())
+    return int(np.where(usual, np.abs(_DELAYS) - share / len(_DELAYS), np.inf).argmin())

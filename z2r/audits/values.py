@@ -15,6 +15,7 @@ from z2r.format.rules import and_more, episodes_of
 from z2r.format.schema import ACTION, STATE, Feature
 from z2r.reading.scene import FROZEN
 
+_SAME_TURN = 0.5  # cosine of half of what it turns in a frame
 UNIT_TOLERANCE = 0.01  # of sin² + cos²: rounding to three digits stays within
 _FURTHER = 10  # times the step that is usual: no sensor of a moving robot was seen to do that by itself
 
@@ -66,6 +67,26 @@ def unit_quaternion(frames: FileFrames) -> Iterator[Answer]:
                 named, frame = frames.episodes_in(wrong), frames.claims.base + row
                 mend = "Divide each by its length"
                 yield Fault(frames.path, place, found, "1: a quaternion", mend, named, frame)
+
+
+@Check(
+    "quaternion-sign", "a quaternion goes on smoothly: q and -q are one turn, and far apart to a policy", "warning"
+).of(FileFrames)
+def quaternions_keep_their_sign(frames: FileFrames) -> Iterator[Answer]:
+    """Does a quaternion turn into its negative from one frame to the next?"""
+    for name, values in frames.read.frames.items():
+        feature = frames.schema.features[name]
+        for columns in quaternions(feature):
+            turns = values[:, columns].astype(np.float64)  # (n_rows, 4)
+            wrong = np.zeros(len(turns), dtype=bool)
+            wrong[1:] = (turns[1:] * turns[:-1]).sum(axis=1) < -_SAME_TURN * np.square(turns[1:]).sum(axis=1)
+            wrong[frames.run_starts] = False
+            if wrong.any():
+                row, named = int(wrong.argmax()), frames.episodes_in(wrong)
+                place = f"{name}: {', '.join(feature.dim_names[each] for each in columns)} in row {row}"
+                found = f"the negative of the row before{and_more(wrong)}"
+                mend = "Both are one turn, but a policy that learns it sees a leap: turn the sign of those rows round"
+                yield Fault(frames.path, place, found, "the same sign", mend, named, frames.claims.base + row)
 
 
 @JUMP.of(Runs)

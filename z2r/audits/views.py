@@ -19,11 +19,12 @@ _FEW = 0.25  # of the episodes: of more, nobody knows which ones are right
 _LEVEL = 110  # to which all views are brought, so that daylight does not matter
 _LIMIT = 40  # grey levels: what lies elsewhere changes some cells by more, a camera that was moved most of them
 _VIEWS_APART = 5  # grey levels, on average over the picture
+_TURNED_APART = 2  # grey levels: by so much it must be another view at least
 _GRAINS_APART = 0.5  # of a logarithm: a factor of 1.6
 _FITS = 0.4  # of the distance: less is left where a guess is right
 _COLOURLESS = 3  # grey levels between the channels, on average
-_DARK = 24
-_COVERED = 0.08  # of the picture
+_DARK, _WHITE = 24, 250
+_COVERED, _BURNT = 0.08, 0.25  # of the picture
 
 _TURNS: dict[str, Callable[[Floats], Floats]] = {
     "upside down": lambda view: view[::-1, ::-1],
@@ -62,20 +63,53 @@ class _Views(NamedTuple):
     def usual(self) -> Floats:
         return _middle(self.views[~self.differ])
 
+    @property
+    def flat(self) -> Floats:
+        return _level(self.views).reshape(len(self.views), -1)
+
+    def only(self, some: Bools) -> "_Views":
+        return _Views(self.rows[some], self.views[some], self.differ[some])
+
 
 def unlike(cameras: Mapping[str, Mapping[int, Glance]]) -> dict[str, list[Unlike]]:
     """Find the episodes of each camera whose pictures differ from those of the others."""
     views = {camera: _views(seen) for camera, seen in cameras.items() if len(seen) >= _MIN_EPISODES}
     found = {}
     for camera, own in views.items():
+        others = {f"like those of {name}": other for name, other in views.items() if name != camera}
+        turned = _turned(own, others)
+        left = own.only(~np.isin(own.rows, [row for each in turned for row in each.rows.tolist()]))
         strangers = [
-            (f"like those of {name}", _middle(other.views[some]))
-            for name, other in views.items()
+            (said, _middle(other.views[some]))
+            for said, other in others.items()
             for some in (~other.differ, other.differ)
-            if name != camera and some.any()
+            if some.any()
         ]
-        found[camera] = [*_unlike_views(own, strangers), *_blurred(own, cameras[camera])]
+        found[camera] = [*turned, *_unlike_views(left, strangers), *_blurred(left, cameras[camera])]
     return found
+
+
+def _turned(own: _Views, others: Mapping[str, _Views]) -> list[Unlike]:
+    """Find those that fit one of the others once they are turned, or that fit it as another camera shows it.
+
+    However many they are: it needs no view that is usual. Which of them are right is told by how many they are.
+    """
+    candidates = _candidates(len(own.rows))
+    middle = int(candidates[np.argmin([np.median(_far(own.flat, own.flat[row])) for row in candidates])])
+    at = own.rows[middle]
+    seen = [(said, view) for said, other in others.items() for view in other.views[other.rows == at]]
+    says = dict[str, list[int]]()
+    for row, view in zip(own.rows.tolist(), own.views, strict=True):
+        usual = own.views[middle]
+        far = _apart(view, usual)
+        left, said = _nearest(view, usual, seen)
+        said = said if far >= _TURNED_APART and left <= _FITS * far else _lacks(view, usual)
+        if said:
+            says.setdefault(said, []).append(row)
+    return [
+        Unlike(np.array(rows), own.rows[~np.isin(own.rows, rows)], said, _is_few(len(rows), len(own.rows)))
+        for said, rows in says.items()
+    ]
 
 
 def differ(features: Floats, floor: float) -> Bools:
@@ -93,8 +127,8 @@ def differ(features: Floats, floor: float) -> Bools:
     """
     n = len(features)
     half = (n + 1) // 2
-    candidates = [_far(features, features[row]) for row in np.unique(np.linspace(0, n - 1, _CANDIDATES).astype(int))]
-    densest = min(candidates, key=lambda far: float(np.partition(far, half - 1)[half - 1]))
+    each = [_far(features, features[row]) for row in _candidates(n)]
+    densest = min(each, key=lambda far: float(np.partition(far, half - 1)[half - 1]))
     far = _far(features, np.median(features[np.argsort(densest, kind="stable")[:half]], axis=0))
     ordered = np.sort(far)
     gaps = np.flatnonzero(ordered[half:] >= np.maximum(floor, _GAP * ordered[half - 1 : -1]))
@@ -105,6 +139,10 @@ def differ(features: Floats, floor: float) -> Bools:
     together = _far(others, np.median(others, axis=0)).max() <= edge / _GAP
     apart: Bools = (far >= edge) & (together or _is_few(len(others), n))
     return apart
+
+
+def _candidates(n: int) -> Ints:
+    return np.unique(np.linspace(0, n - 1, _CANDIDATES).astype(np.int64))
 
 
 def _far(features: Floats, feature: Floats) -> Floats:
@@ -149,15 +187,28 @@ def _unlike_views(own: _Views, strangers: list[tuple[str, Floats]]) -> Iterator[
 
 def _guess(view: Floats, usual: Floats, strangers: list[tuple[str, Floats]]) -> str:
     """Say what a view looks like, by what fits far better than it does."""
-    tries = [(said, turn(view), usual) for said, turn in _TURNS.items()]
-    tries += [(said, view, other) for said, other in strangers]
-    left, said = min((_apart(one, other), said) for said, one, other in tries)
+    left, said = _nearest(view, usual, strangers)
     if left <= _FITS * _apart(view, usual):
         return said
+    return _lacks(view, usual)
+
+
+def _lacks(view: Floats, usual: Floats) -> str:
+    """Say what is missing in a view."""
     if np.ptp(view, axis=-1).mean() <= _COLOURLESS < np.ptp(usual, axis=-1).mean() / _GAP:
         return "without colour"
+    burnt = ((view >= _WHITE).all(axis=-1) & (usual < _WHITE).any(axis=-1)).mean()
+    if burnt >= _BURNT:
+        return f"white in {burnt:.0%} of the picture"
     covered = ((view <= _DARK).all(axis=-1) & (usual > _DARK).any(axis=-1)).mean()
     return f"black in {covered:.0%} of the picture" if covered >= _COVERED else ""
+
+
+def _nearest(view: Floats, usual: Floats, strangers: list[tuple[str, Floats]]) -> tuple[float, str]:
+    """Return what makes a view fit best, or which stranger it fits, and how far it is then."""
+    tries = [(said, turn(view), usual) for said, turn in _TURNS.items()]
+    tries += [(said, view, other) for said, other in strangers]
+    return min((_apart(one, other), said) for said, one, other in tries)
 
 
 def _apart(one: Floats, other: Floats) -> float:
