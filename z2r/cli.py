@@ -1,4 +1,4 @@
-"""The command line: `z2r inspect`, `z2r audit`, `z2r report`, `z2r reading`, `z2r ls` and `z2r record`.
+"""The command line: `z2r inspect`, `z2r audit`, `z2r explain`, `z2r report`, `z2r reading`, `z2r ls`, `z2r record`.
 
 What is slow to import is imported in the command that uses it, so that `--help` is there at once.
 """
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from z2r.reading.reading import Reading
     from z2r.reading.verdict import Recording
 
+_FORMATS = ("text", "json", "sarif", "junit", "github")
 _SMOKE_STEPS = 40
 _SHIPPED_EPISODES = 6
 _NO_REPLAY = "no replay, which needs rerun. In a clone of the course: pip install '.[view]'"
@@ -446,7 +447,21 @@ def report(dataset: Path | None, *, reading: "Reading | None", out: Path, with_a
     help="Write the numbers of the episodes that no error is about, as `lerobot-train --dataset.episodes` takes them.",
 )
 @click.option("--pictures", is_flag=True, help="Decode some pictures of every episode, too. Needs the extra `video`.")
-@click.option("--json", "as_json", is_flag=True, help="Print the findings as JSON and nothing else.")
+@click.option(
+    "--baseline",
+    type=click.Path(path_type=Path, dir_okay=False),
+    metavar="FILE",
+    help="Leave out what `z2r audit --json` printed into FILE before: only what is new counts.",
+)
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice(_FORMATS),
+    default="text",
+    show_default=True,
+    help="Print the findings for a program, and nothing else: SARIF 2.1.0, JUnit's XML, annotations of GitHub.",
+)
+@click.option("--json", "form", flag_value="json", help="The same as `--format json`.")
 def audit(
     dataset: Path | None,
     *,
@@ -454,7 +469,8 @@ def audit(
     mode: BreakMode | str | None,
     keep: Path | None,
     pictures: bool,
-    as_json: bool,
+    baseline: Path | None,
+    form: str,
 ) -> None:
     """Say what is wrong with a dataset: each finding with what was found, what was expected, and how to mend it.
 
@@ -464,28 +480,33 @@ def audit(
     compared. So are its values with its statistics, and its reading with what its task allows. At the end it says what
     was not checked.
 
-    The exit code is 0 where there is no error and no warning, 1 where there is one, and 2 where the dataset cannot be
-    read. A note is good to know before training, and fails nothing. With `--break all` it is 0 whatever is refuted, and
-    2 where the dataset is not whole.
+    The exit code is 0 where there is no error and no warning, 1 where there is one, 2 where the command cannot run as
+    it stands, and 3 where nothing was audited: the schema or the episodes cannot be read. A note is good to know before
+    training, and fails nothing. With `--break all` it is 0 whatever is refuted, and 2 where the dataset is not whole.
 
     - `z2r audit my_dataset && train my_dataset` trains on nothing that is broken
     - `z2r audit my_dataset --keep good.json`, and `lerobot-train --dataset.episodes="$(cat good.json)" ...` leaves the
       episodes out that have an error
     - `z2r audit my_dataset --pictures` also sees a camera that is black or frozen, or films another episode
-    - `z2r audit my_dataset --json` is for scripts
+    - `z2r audit my_dataset --json > accepted.json`, and `z2r audit my_dataset --baseline accepted.json` tells and
+      counts only what is new since then
+    - `z2r audit my_dataset --format github` annotates a pull request; `sarif` and `junit` are for other services
+    - `z2r explain late` says of a check why it is there, and how to mend what it finds
     - `z2r audit --break yaw-swap-everywhere` finds by a number what the share reached hides
     - `z2r audit my_dataset --break all` says which wrong beliefs about it the data refutes, and which it cannot
     """
-    import msgspec
-
+    from z2r.api import ALL_CHECKS, load, reading_for
     from z2r.api import audit as audit_dataset
-    from z2r.api import load, reading_for
+    from z2r.audits.baseline import read_baseline
     from z2r.format.schema import read_schema
+    from z2r.show.formats import FORMATS
     from z2r.show.terminal import audit_report, console, progress
 
+    quiet = form != "text"
+    accepted = read_baseline(baseline) if baseline else frozenset()
     root = find_dataset(dataset)
     title = folder_name(root)
-    screen = console(as_json)
+    screen = console(quiet)
     if keep:
         outside(root, keep)
     with contextlib.suppress(DatasetError):  # of a schema that cannot be read, the audit says why
@@ -493,18 +514,21 @@ def audit(
     if isinstance(mode, str):
         if keep or pictures:
             raise click.UsageError("--break all audits what is believed: it goes with neither --keep nor --pictures")
+        if baseline or form not in ("text", "json"):
+            raise click.UsageError("--break all audits what is believed: it goes with no --baseline, and --format json")
         _audit_beliefs(root, reading, screen)
         return
     if mode:
         _say_what_is_wrong(screen, mode, load(root), reading or reading_for(root))
-    with progress("auditing", "data files, then episodes of cameras" if pictures else "data files", as_json) as move:
+    with progress("auditing", "data files, then episodes of cameras" if pictures else "data files", quiet) as move:
         found = audit_dataset(root, mode, reading, move, pictures=pictures)
-    screen.print(audit_report(found, title), crop=False)
+    told = found.without(accepted)
+    screen.print(audit_report(told, title), crop=False)
     if keep:
         _write_kept(found, keep, screen, root)
-    if as_json:
-        click.echo(msgspec.json.format(msgspec.json.encode(found.to_dict(title)), indent=2))
-    sys.exit(found.exit_code)
+    if quiet:
+        click.echo(FORMATS[form](told, root, ALL_CHECKS))
+    sys.exit(told.exit_code)
 
 
 def _write_kept(found: "Audit", path: Path, screen: "Console", root: Path) -> None:
@@ -533,6 +557,26 @@ def _audit_beliefs(root: Path, reading: "Reading | None", screen: "Console") -> 
     screen.print(beliefs_report(found, title))
     if screen.quiet:
         click.echo(msgspec.json.format(msgspec.json.encode(found.to_dict(title)), indent=2))
+
+
+@cli.command()
+@click.argument("check", required=False)
+def explain(check: str | None) -> None:
+    """Say what a check asks, why, where it happened, and how to mend what it finds; without CHECK, list them all."""
+    from z2r.api import ALL_CHECKS
+    from z2r.api import explain as explain_check
+    from z2r.show.terminal import check_list, console, explained
+
+    screen = console()
+    if check is None:
+        screen.print(check_list(ALL_CHECKS))
+        return
+    try:
+        why = explain_check(check)
+    except ValueError as error:
+        raise click.UsageError(str(error)) from None
+    [asked] = [each for each in ALL_CHECKS if each.name == check]
+    screen.print(explained(asked, why))
 
 
 @cli.command()
