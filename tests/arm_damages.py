@@ -235,6 +235,12 @@ def later(by: int) -> Change:
     return lambda own, rng: own[np.clip(np.arange(len(own)) - by, 0, len(own) - 1)]
 
 
+def negative_at_times(values: np.ndarray, rng: Rng) -> np.ndarray:
+    """Turn the sign round for the second third of the frames."""
+    third = len(values) // 3
+    return np.concatenate([values[:third], -values[third : 2 * third], values[2 * third :]])
+
+
 def times(factor: float) -> Change:
     return lambda own, rng: own * factor
 
@@ -1138,6 +1144,13 @@ ON_SIGNS: dict[str, Kind] = {
         "hand",
         WIDE,
         {ALL: ALIKE},
+    ),
+    "quaternion-sign": Kind(
+        "a library gives q where it gave -q before: one turn, and a leap to a policy",
+        values(STATE, ("qx", "qy", "qz", "qw"), negative_at_times),
+        ("qx", "qy", "qz", "qw", STATE),
+        "hand",
+        EVERY,
     ),
     "quaternion-norm": Kind(
         "quaternions were averaged and never made of length 1 again",

@@ -47,13 +47,17 @@ def standin_copy(tmp_path: Path) -> Path:
     return Path(shutil.copytree(z2r.STANDIN, tmp_path / "standin"))
 
 
+def skip_without(tool: object, reason: str) -> None:
+    """Skip a test whose tool is missing; in CI, none may be."""
+    if not tool:
+        pytest.fail(reason) if os.environ.get("Z2R_REQUIRE_BROWSER") else pytest.skip(reason)
+
+
 @pytest.fixture(scope="session")
 def browser() -> Iterator["Browser"]:
     from playwright.sync_api import sync_playwright
 
-    if CHROMIUM is None:
-        reason = "no chromium: apt-get install chromium"
-        pytest.fail(reason) if os.environ.get("Z2R_REQUIRE_BROWSER") else pytest.skip(reason)
+    skip_without(CHROMIUM, "no chromium: apt-get install chromium")
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=CHROMIUM_FLAGS)
         yield browser

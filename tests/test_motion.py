@@ -62,6 +62,7 @@ MADE_TO_FAIL = {
     "elsewhere": ("sign-both", "one"),
     "clipped": ("clipped-state", "all"),
     "near-twin": ("copy-with-noise", "one"),
+    "quaternion-sign": ("quaternion-sign", "all"),
     "unit-quaternion": ("quaternion-norm", "all"),
     "task-typo": ("task-placeholder", "all"),
     "limits": ("zero-gripper", "one"),  # under a reading, below

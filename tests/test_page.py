@@ -224,6 +224,20 @@ def test_a_click_on_a_finding_goes_to_its_frame(damaged, open_report):
     assert Axe().run(page).violations_count == 0
 
 
+def test_the_keyboard_alone_goes_to_the_frame_of_a_finding_and_on_from_there(damaged, open_report):
+    page = open_report(damaged)
+    page.locator("#findings-title").evaluate("title => title.scrollIntoView()")
+    page.get_by_role("link", name="What the audit found").focus()
+    for _ in range(20):
+        page.keyboard.press("Tab")
+        if page.evaluate("document.activeElement.textContent") == "3, frame 20":
+            break
+    page.keyboard.press("Enter")
+    expect_frame(page, 20)
+    page.keyboard.press("ArrowRight")
+    expect_frame(page, 21)
+
+
 def test_all_that_the_audit_found_is_there_and_what_it_did_not_check(damaged, tmp_path):
     z2r.write_report(damaged, tmp_path / "page.html")
     text, audit = Elements((tmp_path / "page.html").read_text()).text["page"], z2r.audit(damaged)
@@ -287,6 +301,30 @@ def test_the_header_says_robot_tasks_and_cameras(filmed, tmp_path):
     z2r.write_report(filmed, tmp_path / "page.html")
     header = re.search("<header>.*</header>", (tmp_path / "page.html").read_text(), re.DOTALL)[0]
     assert all(line in header for lines in z2r.inspect_dataset(filmed).about.lines.values() for line in lines)
+
+
+DARK_GROUNDS = """[...document.querySelectorAll("body, body *")].filter((part) => {
+  const [r, g, b, alpha = 1] = getComputedStyle(part).backgroundColor.match(/[\\d.]+/g).map(Number);
+  return part.checkVisibility() && part.tagName !== "I" && alpha > 0 && r + g + b < 600;
+}).map((part) => part.outerHTML.slice(0, 80))"""
+
+
+@pytest.mark.parametrize("name", ["standin", "arm"])
+def test_on_paper_it_is_light_has_no_controls_and_says_which_frame_it_shows(name, open_report):
+    page = open_report(name, color_scheme="dark")
+    page.keyboard.press("ArrowDown")
+    page.keyboard.press("Shift+ArrowRight")
+    expect_frame(page, 10)
+    page.emulate_media(media="print")
+    expect(page.locator("body")).to_have_css("color", "rgb(32, 36, 42)")
+    assert page.evaluate(DARK_GROUNDS) == []
+    for control in page.locator("button, input, select:not(#episode), footer").all():
+        expect(control).to_be_hidden()
+    expect(page.get_by_role("combobox", name="Episode")).to_have_value("1")
+    expect(page.locator("#clock")).to_contain_text("frame 10 ")
+    expect(page.locator("details li").first).to_be_visible()
+    expect(page.locator(".stage")).to_be_visible()
+    expect(page.locator("#plots .trace").last).to_be_visible()
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

@@ -4,6 +4,7 @@ import base64
 import hashlib
 import json
 import re
+import subprocess
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
@@ -13,13 +14,18 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
+from conftest import skip_without
+from damages import BASES
+from jinja2 import UndefinedError
 from layouts import lay_out
 from notebook_tools import code_cells, committed
+from robots import write_arm
 from test_cli import run
 
 import z2r
 from z2r.errors import DatasetError
 from z2r.show import report
+from z2r.show.page import templates
 from z2r.show.page.content import WRONG_READINGS
 
 HOSTILE = "</script><img src=x onerror=alert(1)>"
@@ -141,6 +147,20 @@ def test_names_of_a_dataset_are_never_taken_for_markup(standin_copy, tmp_path):
     assert not [tag for tag, attributes in shown.elements if "onerror" in attributes or tag == "script"]
 
 
+def test_nothing_is_called_markup_but_what_the_package_writes():
+    unescaped = set()
+    for path in (*templates.FOLDER.glob("*.html"), *templates.FOLDER.glob("*.svg")):
+        unescaped |= set(re.findall(r"([^\s>]+) ?\| ?(?:safe|forceescape)", path.read_text()))
+    # `render` escapes what could end the element of the data; a whole page is escaped once more, as an attribute.
+    pages = {"style", "data", "script", "page"}
+    assert unescaped == pages | {"""'vector-effect="non-scaling-stroke"'""", "paint[body.role]"}
+
+
+def test_a_template_that_is_given_too_little_says_so():
+    with pytest.raises(UndefinedError, match="world"):
+        templates.fill("scene.svg")
+
+
 def test_a_large_dataset_leaves_episodes_out_and_says_which(tmp_path, monkeypatch):
     root = tmp_path / "many"
     lay_out(root, [5] * 700, files=[300, 400], shards=[700])
@@ -182,6 +202,25 @@ def columns_of(page: str) -> np.ndarray:
 
 def data_of(page: str) -> dict[str, Any]:
     return json.loads(Elements(page).text["script application/json"])
+
+
+TSC = Path(__file__).parents[1] / ".ci/web/node_modules/.bin/tsc"
+
+
+def test_the_data_are_what_the_script_of_the_page_is_checked_to_be_given(standin_copy, tmp_path):
+    skip_without(TSC.exists(), "no TypeScript: npm --prefix .ci/web ci")
+    BASES["labelled"](tmp_path / "labelled")
+    arm, reading = write_arm(tmp_path / "arm")
+    pages = [
+        *(write(z2r.load(root), tmp_path) for root in (z2r.MESSY, make_hostile(standin_copy), tmp_path / "labelled")),
+        write(arm, tmp_path, reading=reading),
+        write(z2r.load("arm"), tmp_path),
+    ]
+    data = ",\n".join(Elements(page).text["script application/json"] for page in pages)
+    (tmp_path / "data.ts").write_text(f"const pages: PageData[] = [{data}];")
+    types = Path(report.__file__).with_name("page") / "types.d.ts"
+    done = subprocess.run([TSC, "--noEmit", "--strict", types, "data.ts"], cwd=tmp_path, capture_output=True, text=True)
+    assert not done.stdout, done.stdout[:2000]
 
 
 def test_the_page_of_a_million_frames_would_stay_below_5_megabytes(tmp_path, monkeypatch):

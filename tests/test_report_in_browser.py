@@ -36,7 +36,7 @@ def open_file(browser: Browser) -> Iterator[Open]:
         context = browser.new_context(offline=True, **({"viewport": {"width": 1280, "height": 900}} | options))
         contexts.append(context)
         page = context.new_page()
-        page.on("request", lambda request: _is_in_the_page(request.url, path) or faults.append(request.url))
+        page.on("request", lambda request: is_in_the_page(request.url, path) or faults.append(request.url))
         page.on("console", lambda message: faults.append(message.text))
         page.on("pageerror", lambda error: faults.append(str(error)))
         page.on("dialog", lambda dialog: faults.append(dialog.message))
@@ -50,13 +50,13 @@ def open_file(browser: Browser) -> Iterator[Open]:
     assert not faults
 
 
-def _is_in_the_page(url: str, path: Path) -> bool:
+def is_in_the_page(url: str, path: Path) -> bool:
     return url.partition("#")[0] == path.as_uri() or url.startswith("blob:")
 
 
 @pytest.fixture
 def open_report(open_file: Open, tmp_path: Path) -> Open:
-    def open_report(root: Path, reading: z2r.Reading | None = None, **options) -> Page:
+    def open_report(root: Path | str, reading: z2r.Reading | None = None, **options) -> Page:
         z2r.write_report(z2r.load(root), tmp_path / "report.html", reading)
         return open_file(tmp_path / "report.html", **options)
 

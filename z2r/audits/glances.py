@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from z2r.arrays import Bools, Floats, Ints, Progress
+from z2r.arrays import Array, Bools, Floats, Ints, Progress
 from z2r.audits.footage import Footage, ImageSums, VideoSums, join_images
 from z2r.audits.frames import FileClaims
 from z2r.audits.runs import FileSums, Runs
@@ -83,7 +83,7 @@ class Glance(NamedTuple):
     prints : ndarray, uint8[4, 24, 32]
         Some of them, smaller still.
     cells : ndarray, float16[n, 48]
-        How bright each of 6 x 8 parts of them is, from 0 to 255.
+        How bright each of 6 x 8 parts of them is, where the whole is 128: so that no exposure matters.
     view : ndarray, uint8[12, 16, 3]
         What is there most of the time: the median of all of them, in RGB.
     """
@@ -229,6 +229,13 @@ def _glance(frame: Floats, pictures: Sequence[Small]) -> Glance:
         change=apart.mean(axis=(1, 2)).astype(np.float64),
         peak=apart.max(axis=(1, 2)).astype(np.float64),
         prints=prints.mean(axis=(2, 4)).round().astype(np.uint8),
-        cells=seen.reshape(n, height // 8, 8, width // 8, 8).mean(axis=(2, 4)).reshape(n, -1).astype(np.float16),
+        cells=_cells(seen).astype(np.float16),
         view=np.median(quarters, axis=0).round().astype(np.uint8),
     )
+
+
+def _cells(seen: Array) -> Floats:
+    n, height, width = seen.shape
+    cells = seen.reshape(n, height // 8, 8, width // 8, 8).mean(axis=(2, 4)).reshape(n, -1)  # (n, 48)
+    as_bright: Floats = cells * (128 / np.maximum(cells.mean(axis=1, keepdims=True), 1))
+    return as_bright

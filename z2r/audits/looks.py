@@ -69,9 +69,9 @@ class Look(NamedTuple):
         Which feature it is, and where they are stored.
     number : ndarray, int64[n_episodes]
         What the dataset calls the episodes.
-    flat, blank, still, slow, astray : Suspects
-        Where they are of one colour, or noise; some of them are; stay the same although the robot moves; do so again
-        and again; move when it does not.
+    flat, blank, dark, still, slow, astray : Suspects
+        Where they are of one colour, or noise; some of them are; some of them are black; stay the same although the
+        robot moves; do so again and again; do not go with the robot.
     mend : str
         How to be surer; empty where it is sure.
     fits : float
@@ -87,6 +87,7 @@ class Look(NamedTuple):
     number: Ints
     flat: Suspects
     blank: Suspects
+    dark: Suspects
     still: Suspects
     slow: Suspects
     astray: Suspects
@@ -197,11 +198,13 @@ def _way(places: Floats) -> Floats:
 
 def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths: Mapping[int, _Path]) -> Look:
     number, moves = runs.claims.stored.episodes.value.table.number, _robot_moves(runs)
-    flat, blank, still, slow = np.zeros((4, len(moves)), dtype=bool)
+    flat, blank, dark, still, slow = np.zeros((5, len(moves)), dtype=bool)
     share, again = {}, {}
     for row, glance in seen.items():
         flat[row] = glance.spread.max() <= _ONE_COLOUR or np.median(glance.grain) >= _NO_SIGNAL
-        blank[row] = not flat[row] and _shows_nothing(glance).any()
+        nothing = _shows_nothing(glance)
+        dark[row] = not flat[row] and nothing.any() and glance.level[nothing].max() <= _DARK
+        blank[row] = not flat[row] and nothing.any() and not dark[row]
         if moves[row] and row in paths and not flat[row]:
             path = paths[row]
             way = np.diff(np.interp(glance.frame, path.frames, path.way))
@@ -215,6 +218,7 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths:
         number=number,
         flat=Suspects(flat, lambda row: _nothing(seen[row])),
         blank=Suspects(blank, lambda row: _blanks(seen[row])),
+        dark=Suspects(dark, lambda row: _blanks(seen[row])),
         still=Suspects(still, lambda row: f"the same picture for {share[row]:.0%} of the robot's way"),
         slow=Suspects(slow, lambda row: f"the picture of before again for {again[row]:.0%} of the robot's way"),
         astray=_nobody(moves),
@@ -276,7 +280,8 @@ def _shows_nothing(glance: Glance) -> Bools:
 
 def _blanks(glance: Glance) -> str:
     blank = _shows_nothing(glance)
-    said = "one colour" if (glance.spread[blank] <= _ONE_COLOUR).all() else "noise"
+    is_noise = (glance.spread[blank] > _ONE_COLOUR).any()
+    said = "noise" if is_noise else f"one colour, {_shade(glance.level[blank].mean())},"
     some_of = f"{blank.sum()} of the {len(blank)} pictures that were looked at"
     return f"{said} in {some_of}, first in frame {glance.frame[blank.argmax()]:.0f},"
 
@@ -341,6 +346,7 @@ def _look_of_sizes(footage: Footage, camera: str, moves: Bools) -> Look:
             lambda row: f"{other[row]:.0f} bytes for a change of the picture, where {usual:.0f} are usual",
         ),
         blank=_nobody(moves),
+        dark=_nobody(moves),
         slow=_nobody(moves),
         astray=_nobody(moves),
         mend=_DECODE,
@@ -359,6 +365,7 @@ def _look_of_images(camera: str, runs: Runs, sums: ImageSums, moves: Bools) -> L
         ),
         still=Suspects(_episodes(runs, same) & moves, lambda _: "the same picture in all frames"),
         blank=_nobody(moves),
+        dark=_nobody(moves),
         slow=_nobody(moves),
         astray=_nobody(moves),
         mend="",

@@ -25,12 +25,13 @@ _RESTS = 1e-9  # of what moves
 
 _OTHERS = 32  # episodes before and after, whose robot may be the one that is shown
 
-_FITS, _FITS_NOT = 0.4, 0.25  # correlation: what is usual must be more; what is less fits nothing
+_FITS, _SURELY, _FITS_NOT = 0.4, 0.5, 0.25  # correlation: what is usual must be more; of one; what is less fits nothing
 _LATE, _EARLY = 0.45, 0.25  # s: by less all pictures of a camera may well be late, or early
 _NEAR = 0.25  # s: what is held against it
 _MORE, _MOST = 0.02, 0.75  # of correlation, that it must bring in the median, and in how many of the episodes
 _OF_ONE, _GAIN = 0.15, 0.05  # s, and of correlation: how far one episode must be from what is usual
-_MANY = 0.3  # of the episodes: then what they have is usual
+_MANY, _AGREE = 0.3, 0.6  # of the episodes: what so many have is usual; and what so many have between them is known
+_SAME = 0.2  # of how far pictures are from their mean: what is left of those that are the same
 _LESS, _BETTER, _AS_WELL = 0.2, 0.3, 0.15  # of correlation: below what is usual; by so much better; about as well
 _FAR_LESS, _SPREADS = 0.35, 6  # below what is usual, in correlation and in spreads of it: nobody need know why
 _NEIGHBOURS = {1: "in the next episode", -1: "in the episode before"}
@@ -127,7 +128,8 @@ def fit(takes: Mapping[int, Take]) -> Fit:
         return Fit(np.nan, {})
     learned, chosen = _learn(takes)
     curves = learned.curves
-    typical, usual = float(np.median([curve.max() for curve in curves.values()])), _usual_delay(curves)
+    typical = float(np.median([curve.max() for curve in curves.values()]))
+    usual, share = _usual_delay(curves)
     for by, neighbour in _NEIGHBOURS.items():
         fits = _fits_of_neighbours(learned, chosen, by)
         if fits >= max(_FITS, typical + _GAIN):
@@ -136,25 +138,54 @@ def fit(takes: Mapping[int, Take]) -> Fit:
     if not typical >= _FITS:
         return Fit(np.nan, {})
     if not -_EARLY <= _DELAYS[usual] <= _LATE:
+        gains = [curve[usual] - curve[np.abs(_DELAYS) <= _NEAR].max() for curve in curves.values()]
+        if np.mean(np.array(gains) > 0) < _MOST:
+            return Fit(np.nan, {})
         return Fit(typical, {number: _late(curve, _NONE, usual) for number, curve in curves.items()})
     spread = 1.4826 * float(np.median([abs(curve.max() - typical) for curve in curves.values()]))
-    odd = {number: _odd(learned, number, usual, typical, spread) for number in takes}
+    odd = {number: _odd(learned, number, usual, share, typical, spread) for number in takes}
     return Fit(typical, {number: found for number, found in odd.items() if found}, float(_DELAYS[usual]))
 
 
-def _odd(learned: _Learned, number: int, usual: int, typical: float, spread: float) -> str:
+def _odd(learned: _Learned, number: int, usual: int, share: Floats, typical: float, spread: float) -> str:
     """Say what is odd about the pictures of an episode; empty where nothing is."""
     curve = learned.curves[number]
-    own, best = float(curve[max(usual - 1, 0) : usual + 2].max()), int(curve.argmax())
-    if curve[best] >= max(_FITS, own + _GAIN) and abs(_DELAYS[best] - _DELAYS[usual]) > _OF_ONE:
+    own, best = _around(curve, usual), int(curve.argmax())
+    is_late = curve[best] >= max(_SURELY, own + _GAIN) and abs(_DELAYS[best] - _DELAYS[usual]) > _OF_ONE
+    if is_late and share[usual] + share[best] >= _AGREE:  # else each has a delay of its own, and none means anything
         return _late(curve, usual, best)
     if own >= typical - _LESS:
         return ""
     better, other = max(_fits_of_others(learned, number))
-    if better >= max(typical - _AS_WELL, own + _BETTER):
+    if better >= max(typical - _AS_WELL, own + _BETTER) and _belong_there(learned, number, other, usual):
         return f"{_said(curve, usual)}, and of {better:.2f} with that in episode {other}"
     nothing = own < min(_FITS_NOT, typical - max(_FAR_LESS, _SPREADS * spread))
     return _said(curve, usual) if nothing else ""
+
+
+def _belong_there(learned: _Learned, number: int, other: int, usual: int) -> bool:
+    """Tell whether the pictures of two episodes are exchanged, or the same: that they look alike is not enough."""
+    back = float(_curve(_with_places_of(learned, other, number), _weights(learned.sums, other))[0])
+    return back >= _around(learned.curves[other], usual) + _AS_WELL or _same(
+        learned.takes[number], learned.takes[other]
+    )
+
+
+def _same(one: Take, other: Take) -> bool:
+    """Tell whether two takes show the same at the same times, as far as both go."""
+    both = one.at <= other.at[-1]
+    seen, again = (one.pictures[both].astype(np.float64), _at(other.at, other.pictures, one.at[both]))
+    left = np.square(seen - again).sum()
+    return bool(left <= _SAME * np.square(seen - seen.mean(axis=0)).sum()) if both.sum() >= _MIN_PICTURES else False
+
+
+def _at(when: Floats, values: Array, times: Floats) -> Floats:
+    """Return what lies between values (n, k), of the times `when`, at other times: (..., k)."""
+    return np.stack([np.interp(times, when, each) for each in values.astype(np.float64).T], axis=-1)
+
+
+def _around(curve: Floats, delay: int) -> float:
+    return float(curve[max(delay - 1, 0) : delay + 2].max())
 
 
 def _late(curve: Floats, usual: int, best: int) -> str:
@@ -197,11 +228,16 @@ def _fits_of_neighbours(learned: _Learned, chosen: Sequence[int], by: int) -> fl
 
 def _fits_of_others(learned: _Learned, number: int) -> Iterator[tuple[float, int]]:
     """Yield how well the pictures of an episode fit where the robot is in the episodes around it."""
-    weights, numbers = _weights(learned.sums, number), [*learned.takes]
+    numbers = [*learned.takes]
     place = numbers.index(number)
     for other in numbers[max(place - _OTHERS, 0) : place + _OTHERS + 1]:
         if other != number:
-            yield float(_curve(_with_places_of(learned, number, other), weights)[0]), other
+            yield _fit_of_another(learned, number, other), other
+
+
+def _fit_of_another(learned: _Learned, number: int, other: int) -> float:
+    """Return how well the pictures of an episode fit where the robot is in another, as learned from neither."""
+    return float(_curve(_with_places_of(learned, number, other), _weights(learned.sums, number, other))[0])
 
 
 def _with_places_of(learned: _Learned, number: int, other: int) -> _Ready:
@@ -223,8 +259,7 @@ def _ready(take: Take, axes: _Axes, delays: Floats = _DELAYS) -> _Ready:
     times = take.at - delays[:, None]  # (n_delays, n_pictures)
     known = (times >= take.when[0] - _RESTS) & (times <= take.when[-1] + _RESTS)
     known &= known.sum(axis=1, keepdims=True) >= _MIN_PICTURES
-    at = np.stack([np.interp(times, take.when, each) for each in components.T], axis=-1)
-    return _Ready(_around_mean(_terms(at), known), _around_mean(take.pictures, known))
+    return _Ready(_around_mean(_terms(_at(take.when, components, times)), known), _around_mean(take.pictures, known))
 
 
 def _terms(at: Floats) -> Floats:
@@ -255,9 +290,9 @@ def _sums(ready: _Ready, delay: int) -> _Sums:
     return _Sums(terms.T @ terms, terms.T @ ready.cells[delay])
 
 
-def _weights(learned: Mapping[int, _Sums], but: int | None = None) -> Floats:
-    """Return how the cells follow from the terms, (n_terms, n_cells), as learned from all of these episodes but one."""
-    some = [sums for number, sums in learned.items() if number != but]
+def _weights(learned: Mapping[int, _Sums], *but: int) -> Floats:
+    """Return how the cells follow from the terms, (n_terms, n_cells), as learned from all these episodes but some."""
+    some = [sums for number, sums in learned.items() if number not in but]
     terms, cells = (np.sum(each, axis=0) for each in zip(*some, strict=True))
     weights: Floats = np.linalg.solve(terms + _RIDGE * np.eye(len(terms)), cells)
     return weights
@@ -322,9 +357,9 @@ def _shifted(delays: Mapping[int, int], by: int) -> dict[int, int]:
     return {number: min(max(delay + by, 0), len(_DELAYS) - 1) for number, delay in delays.items()}
 
 
-def _usual_delay(curves: Mapping[int, Floats]) -> int:
-    """Return the delay that many episodes have; of two, the smaller one."""
+def _usual_delay(curves: Mapping[int, Floats]) -> tuple[int, Floats]:
+    """Return the delay that many episodes have, of two the smaller one; and how many have about each, (n_delays,)."""
     best = np.array([curve.argmax() for curve in curves.values()])
-    share = (np.abs(_DELAYS[best][:, None] - _DELAYS) <= _OF_ONE).mean(axis=0)  # (n_delays,)
+    share: Floats = (np.abs(_DELAYS[best][:, None] - _DELAYS) <= _OF_ONE).mean(axis=0)
     usual = share >= min(_MANY, share.max())
-    return int(np.where(usual, np.abs(_DELAYS) - share / len(_DELAYS), np.inf).argmin())
+    return int(np.where(usual, np.abs(_DELAYS) - share / len(_DELAYS), np.inf).argmin()), share

@@ -10,7 +10,6 @@ Whatever comes from the dataset is data: it is escaped, and a content security p
 import base64
 import os
 from dataclasses import dataclass
-from html import escape
 from pathlib import Path
 
 from z2r.audits.audit import Audit
@@ -21,7 +20,8 @@ from z2r.reading.reading import Reading
 from z2r.reading.scene import Scene
 from z2r.show.page.content import n_frames_for, read_content
 from z2r.show.page.markup import render
-from z2r.show.page.pictures import scene as draw
+from z2r.show.page.pictures import scene as lay_out
+from z2r.show.page.templates import fill
 
 _MAX_BYTES = 3_000_000  # of the frames and clips in a page, which stays below 5 MB
 _MAX_BYTES_IN_NOTEBOOK = 600_000  # what is shown in a notebook is saved in it
@@ -72,15 +72,13 @@ class Panel:
         return f"Panel: {self.title}"
 
     def _repr_html_(self) -> str:
-        image = base64.b64encode(self.still.encode()).decode()
-        still = f'<img alt="" width="420" src="data:image/svg+xml;base64,{image}">' if self.still else ""
-        # The frame covers the still. Where it is taken out, as in a notebook that is not trusted, the still is there.
-        return (
-            f'<div style="height: {_STILL_HEIGHT}px; overflow: hidden"><p>{escape(self.title)}</p>{still}'
-            "<p>This is a still. The panel moves where the notebook is trusted and scripts run.</p></div>"
-            '<iframe title="Panel of a robot dataset" sandbox="allow-scripts" width="100%" '
-            f'height="{_PANEL_HEIGHT}" style="display: block; position: relative; border: 0; '
-            f'margin-top: -{_STILL_HEIGHT}px" srcdoc="{escape(self.page)}"></iframe>'
+        return fill(
+            "panel.html",
+            title=self.title,
+            page=self.page,
+            still=base64.b64encode(self.still.encode()).decode(),
+            height=_PANEL_HEIGHT,
+            still_height=_STILL_HEIGHT,
         )
 
 
@@ -126,7 +124,8 @@ def panel(inspection: Inspection, scene: Scene | None = None) -> Panel:
     right, episodes = content.views[0], inspection.episodes
     reached = f", reached {content.destination}: {right.outcome.tally} ({content.source})" if right.outcome else ""
     stored = f", stored: {inspection.stored.says}" if inspection.stored else ""
-    still = draw(content, right.reading, "still") if right.reading and right.reading.poses else ""
+    world = lay_out(content, right.reading, "still") if right.reading and right.reading.poses else None
+    still = fill("scene.svg", world=world) if world else ""
     counts = f"episodes: {len(episodes):,}, frames: {episodes.n_frames:,}"
     return Panel(render(content), f"{content.title}, {counts}{reached}{stored}", still)
 

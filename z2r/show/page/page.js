@@ -3,19 +3,30 @@
 // worked out by the package. Names from the dataset are written with textContent only, so that none is ever taken for
 // markup.
 
-const byId = (id) => document.getElementById(id);
-const all = (selector) => [...document.querySelectorAll(selector)];
+/** @type {<Id extends keyof Ids>(id: Id) => Ids[Id]} */
+const byId = (id) => /** @type {any} */ (document.getElementById(id));
+/** @type {<Part extends Element = HTMLElement>(selector: string) => Part[]} */
+const all = (selector) => [.../** @type {NodeListOf<any>} */ (document.querySelectorAll(selector))];
+/** @type {PageData} */
 const page = JSON.parse(byId("data").textContent);
+/** @param {string} text */
 const bytesOf = (text) => Uint8Array.from(atob(text), (char) => char.charCodeAt(0));
 const columns = decodeColumns(page);
 const CHARTS = 24; // that are drawn at once
 
+/** @type {Uint8Array[]} */
 let held = []; // a bit for each goal and frame: whether it is within its limits
 const right = page.readings[0];
+/** @type {{reading: Reading, episode: number, frame: number, listed: number[], firstChart: number}} */
 const now = { reading: right, episode: 0, frame: 0, listed: [], firstChart: 0 };
+/** @type {{frame: number, since: number} | null} */
 let playing = null; // since when, and from which frame on
 let drawing = false;
 
+/**
+ * @param {PageData} data
+ * @returns {Values[]}
+ */
 function decodeColumns({ frames, bytes, shown }) {
   const raw = bytesOf(frames);
   const values = bytes === 8 ? new Float64Array(raw.buffer) : new Float32Array(raw.buffer);
@@ -24,14 +35,20 @@ function decodeColumns({ frames, bytes, shown }) {
 
 // --- what is shown -------------------------------------------------------------------------------------------------
 
-/** First frame of the episode, and one past the last that the page holds. */
+/**
+ * First frame of the episode, and one past the last that the page holds.
+ * @returns {[number, number]}
+ */
 const span = () => {
   const [from, to] = now.reading.episodes[now.episode];
   return [from, Math.min(to, page.shown)];
 };
 const nFrames = () => span()[1] - span()[0];
 
-/** Which episodes there are to choose from. */
+/**
+ * Which episodes there are to choose from.
+ * @type {Record<string, [string, (episode: number) => boolean]>}
+ */
 const FILTERS = {
   all: ["all episodes", () => true],
   missed: ["not reached", (episode) => now.reading.reached?.[episode] === false],
@@ -40,18 +57,21 @@ const FILTERS = {
 };
 const numbersFound = new Set(page.findings.flatMap((finding) => finding.episodes));
 const hasEpisodes = () => now.reading.episodes.length === right.episodes.length;
+/** @type {HTMLInputElement[]} */
+const readingRadios = all("#switch input");
 
-function chooseReading(name) {
-  now.reading = page.readings.find((reading) => reading.name === name);
+/** @param {Reading} reading */
+function chooseReading(reading) {
+  now.reading = reading;
   held = now.reading.goals.map((goal) => bytesOf(goal.held));
-  for (const part of all("[data-reading]")) part.hidden = part.dataset.reading !== name;
-  for (const radio of all("#switch input")) radio.checked = radio.value === name;
+  for (const part of all("[data-reading]")) part.hidden = part.dataset.reading !== reading.name;
+  for (const radio of readingRadios) radio.checked = radio.value === reading.name;
   for (const code of all("[data-formula]")) {
-    const pose = code.dataset.formula;
-    code.textContent = now.reading.formulas[pose];
-    code.classList.toggle("changed", now.reading.formulas[pose] !== right.formulas[pose]);
+    const pose = code.dataset.formula ?? "";
+    code.textContent = reading.formulas[pose];
+    code.classList.toggle("changed", reading.formulas[pose] !== right.formulas[pose]);
   }
-  document.body.classList.toggle("wrong", now.reading !== right);
+  document.body.classList.toggle("wrong", reading !== right);
   listFilters();
 }
 
@@ -73,7 +93,9 @@ function listFilters() {
 function listEpisodes() {
   const [, holds] = FILTERS[byId("filter").value];
   now.listed = [...now.reading.numbers.keys()].filter(holds);
-  byId("episode").replaceChildren(...now.listed.map((episode) => new Option(now.reading.numbers[episode], episode)));
+  byId("episode").replaceChildren(
+    ...now.listed.map((episode) => new Option(`${now.reading.numbers[episode]}`, `${episode}`)),
+  );
   for (const row of all("tr[data-episode]")) {
     const { length } = now.reading.numbers; // of those beyond, nothing but the row is here
     row.hidden = Number(row.dataset.episode) < length && !now.listed.includes(Number(row.dataset.episode));
@@ -85,33 +107,36 @@ function filterEpisodes() {
   pickEpisode(now.listed.includes(now.episode) ? now.episode : now.listed[0]);
 }
 
-function switchReading(name) {
+/** @param {Reading} reading */
+function switchReading(reading) {
   const at = span()[0] + now.frame; // the same frame of the dataset, whatever episode it is in
-  chooseReading(name);
+  chooseReading(reading);
   const episode = episodeAt(at);
   chooseEpisode(episode, at - now.reading.episodes[episode][0]);
   if (playing) playing = { frame: now.frame, since: performance.now() };
-  byId("said").textContent = now.reading.said;
+  byId("said").textContent = reading.said ?? "";
 }
 
+/** @param {number} at */
 const episodeAt = (at, { episodes } = now.reading) => episodes.findIndex(([from, to]) => from <= at && at < to);
 
+/** @param {number} episode */
 function chooseEpisode(episode, frame = 0) {
   now.episode = episode;
   if (!now.listed.includes(episode)) {
     byId("filter").value = "all"; // whoever goes to an episode wants to see it
     listEpisodes();
   }
-  byId("episode").value = episode;
+  byId("episode").value = `${episode}`;
   byId("previous").disabled = now.listed[0] === episode;
   byId("next").disabled = now.listed.at(-1) === episode;
-  byId("frame").max = nFrames() - 1;
-  const reached = now.reading.reached?.[episode];
-  const verdict = { true: ", reached", false: ", not reached" }[reached] ?? "";
-  const stored = { true: ", stored: success", false: ", stored: no success" }[now.reading.stored?.[episode]] ?? "";
+  byId("frame").max = `${nFrames() - 1}`;
+  const { reached, stored } = now.reading;
+  const verdict = reached ? `, ${reached[episode] ? "" : "not "}reached` : "";
+  const label = stored ? `, stored: ${stored[episode] ? "" : "no "}success` : "";
   const [from, to] = now.reading.episodes[episode];
   const cut = nFrames() < to - from ? `the first ${nFrames().toLocaleString("en")} of ` : "";
-  byId("verdict").textContent = `${cut}${(to - from).toLocaleString("en")} frames${verdict}${stored}`;
+  byId("verdict").textContent = `${cut}${(to - from).toLocaleString("en")} frames${verdict}${label}`;
   for (const here of all(".here")) {
     here.setAttribute("x", `${(100 * from) / page.total}%`);
     here.setAttribute("width", `${(100 * (to - from)) / page.total}%`);
@@ -123,9 +148,13 @@ function chooseEpisode(episode, frame = 0) {
   chooseFrame(frame);
 }
 
-/** The episode that comes so many after this one among those that are listed. */
+/**
+ * The episode that comes so many after this one among those that are listed.
+ * @param {number} step
+ */
 const neighbour = (step) => now.listed[now.listed.indexOf(now.episode) + step] ?? now.episode;
 
+/** @param {number} frame */
 function chooseFrame(frame) {
   now.frame = Math.min(Math.max(frame, 0), nFrames() - 1);
   if (drawing) return; // keys can repeat faster than the screen is drawn
@@ -135,7 +164,8 @@ function chooseFrame(frame) {
 
 // --- the address -----------------------------------------------------------------------------------------------------
 
-let writing = 0;
+/** @type {ReturnType<typeof setTimeout> | undefined} */
+let writing;
 
 /** Write down what is looked at, once it stays: browsers refuse to be told too often, and a notebook at all. */
 function writeAddress() {
@@ -148,38 +178,53 @@ function address() {
   return `#episode=${now.reading.numbers[now.episode]}&frame=${now.frame}${reading}`;
 }
 
-/** Go to where an address says, as far as it is on the page; say whether it is. */
+/**
+ * Go to where an address says, as far as it is on the page; say whether it is.
+ * @param {string} hash
+ */
 function go(hash) {
   const asked = new URLSearchParams(hash.slice(1));
   const reading = page.readings.find(({ name }) => name === asked.get("reading")) ?? now.reading;
   const episode = reading.numbers.indexOf(Number(asked.get("episode") ?? NaN));
   if (episode < 0) return false;
   stop();
-  if (reading !== now.reading) chooseReading(reading.name);
-  chooseEpisode(episode, Number.parseInt(asked.get("frame")) || 0);
+  if (reading !== now.reading) chooseReading(reading);
+  chooseEpisode(episode, Number.parseInt(asked.get("frame") ?? "", 10) || 0);
   return true;
 }
 
+/** @param {MouseEvent} event */
 function follow(event) {
-  const row = event.target.closest("tr[data-episode]");
-  const link = event.target.closest("a[href^='#episode=']") ?? row?.querySelector("a");
+  const target = /** @type {Element} */ (event.target);
+  /** @type {HTMLAnchorElement | null | undefined} */
+  const link = target.closest("a[href^='#episode=']") ?? target.closest("tr[data-episode]")?.querySelector("a");
   if (!link) return;
   event.preventDefault();
-  if (!go(link.getAttribute("href"))) return;
+  if (!go(link.hash)) return;
   byId("player").scrollIntoView({ block: "nearest" });
   byId("frame").focus({ preventScroll: true }); // so that the next key means its frames
 }
 
 // --- traces --------------------------------------------------------------------------------------------------------
 
+/**
+ * @param {string} name
+ * @param {Record<string, string | number>} [attributes]
+ * @param {Element[]} children
+ */
 function svg(name, attributes = {}, ...children) {
   const element = document.createElementNS("http://www.w3.org/2000/svg", name);
-  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
+  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, `${value}`);
   element.append(...children);
   return element;
 }
 
-/** Draw lines over an episode on one scale, in percent of the height, with the band that is within limits. */
+/**
+ * Draw lines over an episode on one scale, in percent of the height, with the band that is within limits.
+ * @param {HTMLElement} figure
+ * @param {string} label
+ * @param {Kind[]} kinds
+ */
 function makeTrace(figure, label, kinds) {
   const shade = svg("rect", { class: "band", width: "100%" });
   const lines = kinds.map((kind) => svg("polyline", { class: `line ${kind}` }));
@@ -196,11 +241,14 @@ function makeTrace(figure, label, kinds) {
   area.append(plot, readout);
   figure.append(area);
   scrubWith(plot);
-  const place = (frame) => `${nFrames() > 1 ? (100 * frame) / (nFrames() - 1) : 0}%`;
+  const place = (/** @type {number} */ frame) => `${nFrames() > 1 ? (100 * frame) / (nFrames() - 1) : 0}%`;
+  /** @type {(value: number) => number} */
   let scale;
+  /** @type {Values[]} */
   let drawn = [];
   let unit = "";
-  const read = (frame) => drawn.map((values) => `${short(values[frame])} ${unit}`.trim()).join(" / ");
+  const read = (/** @type {number} */ frame) =>
+    drawn.map((values) => `${short(values[frame])} ${unit}`.trim()).join(" / ");
   plot.addEventListener("pointermove", (event) => {
     const frame = frameUnder(plot, event);
     for (const end of ["x1", "x2"]) hover.setAttribute(end, place(frame));
@@ -213,38 +261,57 @@ function makeTrace(figure, label, kinds) {
     readout.textContent = "";
   });
   return {
+    /**
+     * @param {Values[]} values
+     * @param {[number, number]} ends
+     * @param {string} ofWhat
+     * @param {{band?: [number, number] | null, said?: string, edge?: number | null}} [goal]
+     */
     setEpisode(values, [bottom, top], ofWhat, { band = null, said = "", edge = null } = {}) {
       [drawn, unit] = [values, ofWhat];
       scale = (value) => (top > bottom ? 94 - (88 * (value - bottom)) / (top - bottom) : 50);
-      lines.forEach((line, i) => line.setAttribute("points", thinned(values[i], scale)));
+      for (const [i, line] of lines.entries()) line.setAttribute("points", thinned(values[i], scale));
       const [from, to] = band ?? [bottom, bottom];
       shade.setAttribute("y", `${scale(to)}%`);
       shade.setAttribute("height", `${scale(from) - scale(to)}%`);
       axis.replaceChildren(...axisParts({ scale, place, bottom, top, edge, said, values: values[0] }));
-      const [first, last] = span();
-      marks.replaceChildren(
-        ...page.findings
-          .filter(({ at }) => at !== null && first <= at && at < last)
-          .map(({ at, severity }) =>
-            svg("line", { class: `found ${severity}`, x1: place(at - first), x2: place(at - first), y2: "100%" }),
-          ),
-      );
+      marks.replaceChildren(...findingMarks(place));
     },
+    /** @param {number} frame */
     setFrame(frame) {
       for (const end of ["x1", "x2"]) cursor.setAttribute(end, place(frame));
-      dots.forEach((dot, i) => {
+      for (const [i, dot] of dots.entries()) {
         const value = drawn[i][frame];
         dot.setAttribute("cx", place(frame));
         dot.setAttribute("visibility", Number.isFinite(value) ? "visible" : "hidden");
         if (Number.isFinite(value)) dot.setAttribute("cy", `${scale(value)}%`);
-      });
+      }
     },
   };
 }
 
-/** The zero line, the ends of the scale, the edge of a goal with what it says, and round seconds. */
+/**
+ * A line wherever a finding is in this episode.
+ * @param {(frame: number) => string} place
+ */
+function* findingMarks(place) {
+  const [first, last] = span();
+  for (const { at, severity } of page.findings) {
+    if (at === null || at < first || last <= at) continue;
+    const x = place(at - first);
+    yield svg("line", { class: `found ${severity}`, x1: x, x2: x, y2: "100%" });
+  }
+}
+
+/**
+ * The zero line, the ends of the scale, the edge of a goal with what it says, and round seconds.
+ * @param {{
+ *   scale: (value: number) => number, place: (frame: number) => string, bottom: number, top: number,
+ *   edge: number | null, said: string, values: Values,
+ * }} parts
+ */
 function axisParts({ scale, place, bottom, top, edge, said, values }) {
-  const far = (value) => Math.abs(scale(value) - scale(edge));
+  const far = (/** @type {number} */ value) => Math.abs(scale(value) - scale(edge ?? 0));
   const ends = top > bottom ? [top, bottom] : [top];
   const levels = edge === null ? ends : [...ends.filter((end) => far(end) > 15), edge];
   const digits = Math.min(Math.max(2 - Math.floor(Math.log10(top - bottom || 1)), 0), 9);
@@ -255,7 +322,7 @@ function axisParts({ scale, place, bottom, top, edge, said, values }) {
   if (bottom < 0 && top > 0) parts.unshift(svg("line", { class: "zero", x2: "100%", y1: zero, y2: zero }));
   if (edge !== null) {
     // At the end where the line is out of the way.
-    const [side, x, dx] = far(values[0]) >= far(values.at(-1)) ? ["left", 0, 5] : ["right", "100%", -4];
+    const [side, x, dx] = far(values[0]) >= far(values[values.length - 1]) ? ["left", 0, 5] : ["right", "100%", -4];
     parts.push(text(said, { class: `limit ${side}`, x, dx, y: `${scale(edge)}%`, dy: -4 }));
   }
   for (const second of ticks((nFrames() - 1) / page.fps)) {
@@ -264,13 +331,20 @@ function axisParts({ scale, place, bottom, top, edge, said, values }) {
   return parts;
 }
 
+/**
+ * @param {string | number} content
+ * @param {Record<string, string | number>} attributes
+ */
 function text(content, attributes) {
   const element = svg("text", attributes);
-  element.textContent = content;
+  element.textContent = `${content}`;
   return element;
 }
 
-/** Round numbers from 0 to an end, three to six of them. */
+/**
+ * Round numbers from 0 to an end, three to six of them.
+ * @param {number} end
+ */
 function ticks(end) {
   if (!(end > 0)) return [0];
   const power = 10 ** Math.floor(Math.log10(end / 3));
@@ -278,7 +352,11 @@ function ticks(end) {
   return Array.from({ length: Math.floor(end / step + 1e-9) + 1 }, (_, i) => Number((i * step).toPrecision(6)));
 }
 
-/** The points of a line; of a long one, the least and the greatest value in each of 600 pieces. */
+/**
+ * The points of a line; of a long one, the least and the greatest value in each of 600 pieces.
+ * @param {Values} values
+ * @param {(value: number) => number} scale
+ */
 function thinned(values, scale) {
   const step = Math.max(1, Math.ceil(values.length / 600));
   const last = Math.max(values.length - 1, 1);
@@ -292,16 +370,22 @@ function thinned(values, scale) {
   return points.join(" ");
 }
 
+/** @param {number} value */
 const short = (value) => (Number.isInteger(value) ? value : Number(value.toPrecision(3)));
 
+/**
+ * @param {Element} plot
+ * @param {PointerEvent} event
+ */
 function frameUnder(plot, event) {
   const box = plot.getBoundingClientRect();
   const share = (event.clientX - box.left) / box.width;
   return Math.round(Math.min(Math.max(share, 0), 1) * (nFrames() - 1));
 }
 
+/** @param {SVGElement} plot */
 function scrubWith(plot) {
-  const scrub = (event) => event.buttons === 1 && pickFrame(frameUnder(plot, event));
+  const scrub = (/** @type {PointerEvent} */ event) => event.buttons === 1 && pickFrame(frameUnder(plot, event));
   plot.addEventListener("pointerdown", scrub);
   plot.addEventListener("pointermove", scrub);
 }
@@ -309,53 +393,68 @@ function scrubWith(plot) {
 // --- goals -----------------------------------------------------------------------------------------------------------
 
 const goalFigures = all(".trace.goal");
+const goalTexts = goalFigures.map((figure) => [...figure.querySelectorAll(".value, .mark")]);
 const goalTraces = goalFigures.map((figure, i) => makeTrace(figure, `${right.goals[i].label} over time`, ["measured"]));
 
 function drawGoals() {
   for (const [i, goal] of now.reading.goals.entries()) {
     const values = columns[goal.column].subarray(...span());
-    const finite = values.filter(Number.isFinite);
     const [low, high] = goal.band ?? [null, null];
-    const extreme = (choose) => finite.reduce((a, b) => choose(a, b), choose(0, high ?? low ?? 0));
-    const bottom = extreme(Math.min);
-    const top = goal.isAngle ? Math.PI : Math.max(extreme(Math.max), 2 * (high ?? 0), 2 * (low ?? 0));
+    const edge = high ?? low;
+    const [bottom, most] = endsOf([values], [0, edge ?? 0]);
+    const top = goal.isAngle ? Math.PI : Math.max(most, 2 * (high ?? 0), 2 * (low ?? 0));
+    /** @type {[number, number] | null} */
     const band = goal.band && [Math.max(low ?? bottom, bottom), high ?? top];
-    goalTraces[i].setEpisode([values], [bottom, top], goal.unit, { band, said: goal.limit, edge: high ?? low });
+    goalTraces[i].setEpisode([values], [bottom, top], goal.unit, { band, said: goal.limit, edge });
   }
 }
 
+/**
+ * @param {number} i
+ * @param {number} at
+ */
 function drawGoal(i, at) {
   const goal = now.reading.goals[i];
   const value = columns[goal.column][at];
   const within = Boolean((held[i][at >> 3] >> (7 - (at & 7))) & 1);
-  const mark = goalFigures[i].querySelector(".mark");
+  const [number, mark] = goalTexts[i];
   goalTraces[i].setFrame(now.frame);
-  goalFigures[i].querySelector(".value").textContent = goal.isAngle ? angle(value) : `${value.toFixed(4)} ${goal.unit}`;
+  number.textContent = goal.isAngle ? angle(value) : `${value.toFixed(4)} ${goal.unit}`;
   mark.textContent = `${within ? "\u2713" : "\u2717 not"} ${goal.limit}`;
   mark.classList.toggle("within", within);
 }
 
+/** @param {number} radians */
 const degrees = (radians) => (radians * 180) / Math.PI;
+/** @param {number} radians */
 const angle = (radians) => `${radians.toFixed(4)} rad = ${degrees(radians).toFixed(1)}\u00b0`;
 
 // --- the world -------------------------------------------------------------------------------------------------------
 
 const scene = byId("scene");
-const parts = (kind) => (scene ? [...scene.querySelectorAll(kind)].map((part) => [part, part.dataset.pose]) : []);
-const bodies = parts(".body");
-const trails = parts(".path");
-const trailsAhead = parts(".ahead");
-let points = {}; // of each body that moves, in this episode
+/** @type {(selector: string) => [SVGElement, string][]} */
+const posed = (selector) => {
+  /** @type {SVGElement[]} */
+  const parts = all(`#scene ${selector}`);
+  return parts.map((part) => [part, part.dataset.pose ?? ""]);
+};
+const bodies = posed(".body");
+const trails = posed(".path");
+const trailsAhead = posed(".ahead");
+const [arrow] = all("#scene .action");
+/** @type {Record<string, string[]>} */
+const points = {}; // of each body that moves, in this episode
 
 function drawPaths() {
   const [from, to] = span();
   for (const [line, pose] of trailsAhead) {
-    const [x, y] = now.reading.poses[pose].map((column) => columns[column]);
-    points[pose] = Array.from(x.subarray(from, to), (value, i) => `${value},${y[from + i]}`);
+    const [x, y] = now.reading.poses[pose].map((column) => columns[column ?? 0]);
+    points[pose] = [...x.subarray(from, to)].map((value, i) => `${value},${y[from + i]}`);
     line.setAttribute("points", points[pose].slice(0, page.longestPath).join(" "));
   }
 }
 
+/** @param {number} at */
 function drawWorld(at) {
   for (const [body, pose] of bodies) {
     const [x, y, yaw] = now.reading.poses[pose].map((column) => (column === null ? 0 : columns[column][at]));
@@ -365,59 +464,73 @@ function drawWorld(at) {
     const path = points[pose].slice(Math.max(0, now.frame + 1 - page.longestPath), now.frame + 1);
     line.setAttribute("points", path.join(" "));
   }
-  scene.querySelector(".action").setAttribute("d", arrow(at));
+  arrow.setAttribute("d", arrowPath(at));
 }
 
-/** From the body that the action drives to where it would take it in one frame. */
-function arrow(at) {
+/**
+ * From the body that the action drives to where it would take it in one frame.
+ * @param {number} at
+ */
+function arrowPath(at) {
   if (!now.reading.action) return "";
   const { pose, columns: driven, scale, isPlace } = now.reading.action;
-  const [x, y] = now.reading.poses[pose].map((column) => columns[column]?.[at]);
+  const [x, y] = now.reading.poses[pose].map((column) => columns[column ?? 0][at]);
   const [askedX, askedY] = driven.map((column) => scale * columns[column][at]);
   const [dx, dy] = isPlace ? [askedX - x, askedY - y] : [askedX, askedY];
   const length = Math.hypot(dx, dy);
   if (!(length > 0.0025 * reach)) return "";
   const head = Math.min(0.03 * reach, length / 2) / length;
   const [tipX, tipY] = [x + dx, y + dy];
-  const barb = (side) => `${tipX - head * (dx - side * 0.6 * dy)} ${tipY - head * (dy + side * 0.6 * dx)}`;
+  const barb = (/** @type {number} */ side) =>
+    `${tipX - head * (dx - side * 0.6 * dy)} ${tipY - head * (dy + side * 0.6 * dx)}`;
   return `M${x} ${y}L${tipX} ${tipY}M${barb(1)}L${tipX} ${tipY}L${barb(-1)}`;
 }
 
 // Half the width of the picture, in the unit of the positions.
-const reach = scene ? 410 / Number(/scale\(([^ ]+)/.exec(scene.querySelector("g").getAttribute("transform"))[1]) : 1;
+const reach = 410 / Number(/scale\(([^ ]+)/.exec(scene?.innerHTML ?? "")?.[1] ?? 410);
 
 // --- every dimension: a joint and its command in one chart -----------------------------------------------------------
 
+/** @type {ReturnType<typeof makeChart>[]} */
 let charts = [];
 
-function makeCharts() {
-  const chosen = page.charts.slice(now.firstChart, now.firstChart + CHARTS);
-  charts = chosen.map((chart) => {
-    const kinds = Object.keys(chart.series);
-    const figure = element("figure", "trace");
-    const caption = element("figcaption", "", element("b", "", chart.name));
-    const values = kinds.map((kind) => {
-      const value = element("span", `value ${kind}`);
-      value.dataset.place = chart.series[kind];
-      return value;
-    });
-    caption.append(" ", ...values, element("span", "unit", chart.unit));
-    figure.append(caption);
-    const digits = Math.min(Math.max(4 - Math.ceil(Math.log10(Math.max(...chart.ends.map(Math.abs)) || 1)), 0), 8);
-    const trace = makeTrace(figure, `${chart.group}: ${chart.name} over time`, kinds);
-    return { ...chart, figure, trace, values, digits, columns: kinds.map((kind) => columns[chart.series[kind]]) };
+/** @param {Chart} chart */
+function makeChart(chart) {
+  const series = /** @type {[Kind, number][]} */ (Object.entries(chart.series));
+  const figure = element("figure", "trace");
+  const caption = element("figcaption", "", element("b", "", chart.name));
+  const values = series.map(([kind, column]) => {
+    const value = element("span", `value ${kind}`);
+    value.dataset.place = `${column}`;
+    return value;
   });
+  caption.append(" ", ...values, element("span", "unit", chart.unit));
+  figure.append(caption);
+  const greatest = Math.max(...chart.ends.map((end) => Math.abs(end ?? 0)));
+  const digits = Math.min(Math.max(4 - Math.ceil(Math.log10(greatest || 1)), 0), 8);
+  const kinds = series.map(([kind]) => kind);
+  const trace = makeTrace(figure, `${chart.group}: ${chart.name} over time`, kinds);
+  return { ...chart, figure, trace, values, digits, columns: series.map(([, column]) => columns[column]) };
+}
+
+function makeCharts() {
+  charts = page.charts.slice(now.firstChart, now.firstChart + CHARTS).map(makeChart);
   const parts = charts.flatMap(({ group, figure }, i) =>
     group === charts[i - 1]?.group ? [figure] : [element("h4", "", group), figure],
   );
   byId("plots").replaceChildren(...parts);
-  const last = now.firstChart + chosen.length;
+  const last = now.firstChart + charts.length;
   byId("pager").hidden = page.charts.length <= CHARTS;
   byId("which").textContent = `charts ${now.firstChart + 1} to ${last} of ${page.charts.length}`;
   byId("fewer").disabled = now.firstChart === 0;
   byId("more").disabled = last === page.charts.length;
 }
 
+/**
+ * @param {string} name
+ * @param {string} className
+ * @param {(Node | string)[]} children
+ */
 function element(name, className, ...children) {
   const made = document.createElement(name);
   made.className = className;
@@ -426,18 +539,33 @@ function element(name, className, ...children) {
 }
 
 function drawCharts() {
-  const ofEpisode = all("#scale input").some((radio) => radio.checked && radio.value === "episode");
+  const ofEpisode = Boolean(byId("scale").querySelector("[value=episode]:checked"));
   for (const { trace, columns: drawn, ends, unit } of charts) {
     const values = drawn.map((column) => column.subarray(...span()));
-    trace.setEpisode(values, ofEpisode || ends.includes(null) ? endsOf(values) : ends, unit);
+    const [low, high] = ends;
+    trace.setEpisode(values, ofEpisode || low === null || high === null ? endsOf(values) : [low, high], unit);
   }
 }
 
-function endsOf(values) {
-  const finite = values.flatMap((column) => [...column.filter(Number.isFinite)]);
-  return [Math.min, Math.max].map((choose) => finite.reduce((a, b) => choose(a, b), finite[0] ?? 0));
+/**
+ * The least and the greatest of all values that are numbers, and of what must be in sight.
+ * @param {Values[]} values
+ * @param {number[]} also
+ * @returns {[number, number]}
+ */
+function endsOf(values, also = []) {
+  let [low, high] = [Math.min(...also), Math.max(...also)];
+  for (const column of values) {
+    for (const value of column) {
+      if (!Number.isFinite(value)) continue;
+      if (value < low) low = value;
+      if (value > high) high = value;
+    }
+  }
+  return low <= high ? [low, high] : [0, 0];
 }
 
+/** @param {number} step */
 function turnPage(step) {
   now.firstChart += step * CHARTS;
   makeCharts();
@@ -449,13 +577,21 @@ function turnPage(step) {
 
 const films = all(".camera").map((figure, i) => makeFilm(figure, page.cameras[i]));
 
-/** A camera, whose clip shows the frame that is looked at; while it plays, the clip leads. */
+/** @type {Record<number, string>} */
+const WHY_NOT = { [MediaError.MEDIA_ERR_SRC_NOT_SUPPORTED]: "it has no decoder for it, or the clip is broken" };
+
+/**
+ * A camera, whose clip shows the frame that is looked at; while it plays, the clip leads.
+ * @param {HTMLElement} figure
+ * @param {Film} film
+ */
 function makeFilm(figure, { clips, missing }) {
-  const [video, note] = [figure.querySelector("video"), figure.querySelector(".missing")];
-  let loaded = null; // the episode of the clip
+  const video = /** @type {HTMLVideoElement} */ (figure.querySelector("video"));
+  const note = /** @type {HTMLElement} */ (figure.querySelector(".missing"));
+  let loaded = -1; // the episode of the clip
   const why = () => {
     if (!clips[loaded]) return missing;
-    if (video.error) return `This browser cannot play the clip: ${video.error.message || "its codec is unknown here"}.`;
+    if (video.error) return `This browser cannot play the clip: ${WHY_NOT[video.error.code] ?? video.error.message}.`;
     return inClip() ? "" : `Of this clip, the page has room for the first ${clips[loaded][2]} frames only.`;
   };
   let frame = 0; // of the episode
@@ -467,6 +603,10 @@ function makeFilm(figure, { clips, missing }) {
   };
   video.addEventListener("error", tell);
   return {
+    /**
+     * @param {number} episode
+     * @param {number} at
+     */
     show(episode, at) {
       frame = at;
       if (episode !== loaded) {
@@ -494,12 +634,14 @@ function makeFilm(figure, { clips, missing }) {
   };
 }
 
+/** @param {number} at */
 function drawFilms(at) {
   const episode = episodeAt(at, right);
   for (const film of films) film.show(episode, at - right.episodes[episode][0]);
 }
 
-const cells = all("[data-column]");
+/** @type {[HTMLElement, Values][]} */
+const cells = all("[data-column]").map((cell) => [cell, columns[Number(cell.dataset.column)]]);
 const yaws = all("[data-yaw]");
 
 // --- one frame -----------------------------------------------------------------------------------------------------
@@ -509,17 +651,17 @@ function drawFrame() {
   const at = span()[0] + now.frame;
   const seconds = (now.frame / page.fps).toFixed(1);
   const last = nFrames() - 1;
-  byId("frame").value = now.frame;
+  byId("frame").value = `${now.frame}`;
   byId("frame").style.setProperty("--done", `${last ? (100 * now.frame) / last : 0}%`);
   byId("frame").setAttribute("aria-valuetext", `frame ${now.frame} of 0 to ${last}, ${seconds} seconds`);
   byId("clock").textContent = `frame ${now.frame} of 0\u2013${last}, ${seconds} s`;
   for (const i of now.reading.goals.keys()) drawGoal(i, at);
-  for (const cell of cells) cell.textContent = columns[cell.dataset.column][at].toFixed(4);
-  for (const cell of yaws) cell.textContent = angle(columns[now.reading.poses[cell.dataset.yaw][2]][at]);
+  for (const [cell, column] of cells) cell.textContent = column[at].toFixed(4);
+  for (const cell of yaws) cell.textContent = angle(columns[now.reading.poses[cell.dataset.yaw ?? ""][2] ?? 0][at]);
   if (scene) drawWorld(at);
   for (const { trace, columns: drawn, values, digits } of charts) {
     trace.setFrame(now.frame);
-    values.forEach((value, i) => (value.textContent = drawn[i][at].toFixed(digits)));
+    for (const [i, value] of values.entries()) value.textContent = drawn[i][at].toFixed(digits);
   }
   if (films.length) drawFilms(at);
   if (!playing) writeAddress();
@@ -542,6 +684,7 @@ function stop() {
 
 const speed = () => Number(byId("speed").value);
 
+/** @param {number} time */
 function advance(time) {
   if (!playing) return;
   const shown = films.map((film) => film.frame()).find((frame) => frame !== null);
@@ -559,31 +702,41 @@ function advance(time) {
 
 const toggle = () => (playing ? stop() : play());
 
+/** @param {KeyboardEvent} event */
 function onKey(event) {
-  const inPlayer = event.target === document.body || byId("player").contains(event.target);
-  if (!inPlayer || event.target.tagName === "SELECT" || event.altKey || event.ctrlKey || event.metaKey) return;
+  const target = /** @type {Element} */ (event.target);
+  const inPlayer = target === document.body || byId("player").contains(target);
+  if (!inPlayer || target.tagName === "SELECT" || event.altKey || event.ctrlKey || event.metaKey) return;
   const step = event.shiftKey ? 10 : 1;
-  const targets = { ArrowLeft: now.frame - step, ArrowRight: now.frame + step, Home: 0, End: nFrames() - 1 };
+  /** @type {Record<string, number>} */
+  const frames = { ArrowLeft: now.frame - step, ArrowRight: now.frame + step, Home: 0, End: nFrames() - 1 };
+  /** @type {Record<string, number>} */
   const episodes = { ArrowUp: -1, ArrowDown: 1 };
-  if (event.key in targets) pickFrame(targets[event.key]);
+  if (event.key in frames) pickFrame(frames[event.key]);
   else if (event.key in episodes) pickEpisode(neighbour(episodes[event.key]));
-  else if (event.key === " " && event.target.tagName !== "BUTTON") toggle();
+  else if (event.key === " " && target.tagName !== "BUTTON") toggle();
   else return;
   event.preventDefault();
 }
 
-function pickInRibbon(event) {
-  const box = event.currentTarget.getBoundingClientRect();
+/**
+ * @param {Element} ribbon
+ * @param {MouseEvent} event
+ */
+function pickInRibbon(ribbon, event) {
+  const box = ribbon.getBoundingClientRect();
   const at = ((event.clientX - box.left) / box.width) * page.total;
   const episode = episodeAt(at);
   if (episode >= 0) pickEpisode(episode);
 }
 
+/** @param {number} episode */
 function pickEpisode(episode) {
   stop();
   chooseEpisode(episode);
 }
 
+/** @param {number} frame */
 function pickFrame(frame) {
   stop();
   chooseFrame(frame);
@@ -591,15 +744,18 @@ function pickFrame(frame) {
 
 byId("transport").hidden = false;
 byId("switch").hidden = page.readings.length === 1;
-byId("switch").addEventListener("change", (event) => switchReading(event.target.value));
+for (const [i, radio] of readingRadios.entries()) {
+  radio.addEventListener("change", () => switchReading(page.readings[i]));
+}
 // Whoever chose with the mouse means the frames by the next arrow key. A focused radio button would choose again.
 byId("switch").addEventListener("click", (event) => {
-  if (event.pointerType) setTimeout(() => document.activeElement.blur());
+  if (!(/** @type {PointerEvent} */ (event).pointerType)) return;
+  setTimeout(() => /** @type {HTMLElement} */ (document.activeElement).blur());
 });
-byId("episode").addEventListener("change", (event) => pickEpisode(Number(event.target.value)));
+byId("episode").addEventListener("change", () => pickEpisode(Number(byId("episode").value)));
 byId("previous").addEventListener("click", () => pickEpisode(neighbour(-1)));
 byId("next").addEventListener("click", () => pickEpisode(neighbour(1)));
-byId("frame").addEventListener("input", (event) => pickFrame(Number(event.target.value)));
+byId("frame").addEventListener("input", () => pickFrame(byId("frame").valueAsNumber));
 byId("play").addEventListener("click", toggle);
 byId("speed").addEventListener("change", () => {
   const wasPlaying = Boolean(playing);
@@ -613,12 +769,12 @@ byId("scale").addEventListener("change", () => {
 });
 byId("fewer").addEventListener("click", () => turnPage(-1));
 byId("more").addEventListener("click", () => turnPage(1));
-for (const ribbon of all(".ribbon")) ribbon.addEventListener("click", pickInRibbon);
+for (const ribbon of all(".ribbon")) ribbon.addEventListener("click", (event) => pickInRibbon(ribbon, event));
 document.addEventListener("click", follow);
 document.addEventListener("keydown", onKey);
 window.addEventListener("hashchange", () => go(location.hash));
 
 byId("scale").hidden = false;
 makeCharts();
-chooseReading(right.name);
+chooseReading(right);
 if (!go(location.hash)) chooseEpisode(0);

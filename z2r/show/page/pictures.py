@@ -1,10 +1,8 @@
-"""The pictures of a page that stand by themselves: the scene from above, and the ribbon of all episodes."""
+"""Where does what stand in the pictures of a page: in the scene from above, and in the ribbon of all episodes?"""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from html import escape
 from math import floor, log10
-from pathlib import Path
-from string import Template
 
 import numpy as np
 
@@ -18,19 +16,10 @@ from z2r.reading.reading import Reading, locate
 from z2r.show.page.content import Content, View
 from z2r.show.page.script_data import LONGEST_PATH
 
-_FOLDER = Path(__file__).parent
 _MAX_SEGMENTS = 240  # of the ribbon: about as many as can be told apart
 _LABEL_PERCENT = 4  # of the ribbon: a number has room under a wider segment
 _HALF = 410  # half the width of the picture, in its own unit
 _POINT = 0.022  # of half the width: radius of a body of which nothing but the place is known
-_STROKE = 'vector-effect="non-scaling-stroke"'
-# So that a picture without the style of the page is coloured too.
-_PAINT = {
-    "object": 'fill="#0072b2" fill-opacity="0.82" stroke="#0072b2" stroke-width="2"',
-    "goal": 'fill="#009e73" fill-opacity="0.14" stroke="#009e73" stroke-width="2" stroke-dasharray="3 4"',
-    "robot": 'fill="#d55e00" stroke="#fffefb" stroke-width="1.5"',
-}
-_LINE_PAINT = {"object": "#0072b2", "goal": "#009e73", "robot": "#d55e00"}
 
 
 @dataclass(frozen=True)
@@ -46,36 +35,41 @@ class Camera:
         return float(10.0 ** floor(log10(self.half / 2)))
 
 
-def fill(template: str, /, **parts: str) -> str:
-    """Fill one of the templates beside this module."""
-    return Template((_FOLDER / template).read_text(encoding="utf-8")).substitute(parts)
+def ribbon(view: View, content: Content) -> dict[str, object]:
+    """Lay out all frames as one bar with a segment for each episode; for each group of episodes where there are many.
 
-
-def ribbon(view: View, content: Content) -> str:
-    """Draw all frames as one bar with a segment for each episode; for each group of episodes where there are many."""
+    Segments are (kind, x, width, y, height), flags (severity, x, width) and labels (x, number); lengths are in percent.
+    """
     episodes, n_frames = view.episodes, content.inspection.episodes.n_frames
     edges = np.linspace(0, len(episodes), min(len(episodes), _MAX_SEGMENTS) + 1).astype(np.int64)
-    fine = np.ones(len(episodes), np.bool_) if view.fine is None else view.fine
-    shares = np.add.reduceat(fine, edges[:-1], dtype=np.float64) / np.diff(edges)
-    begins = 100 * episodes.from_index[edges[:-1]] / n_frames
-    ends = 100 * episodes.to_index[edges[1:] - 1] / n_frames
-    kind = "episode" if view.fine is None else "reached"
-    bars = "".join(
-        _bar(f"bar {kind}", begin, end, 0, share) + _bar("bar missed", begin, end, share, 1 - share)
-        for begin, end, share in zip(begins.tolist(), ends.tolist(), shares.tolist(), strict=True)
-    )
-    labels = "".join(
-        f'<text x="{(begin + end) / 2:.3f}%" y="56">{episodes.number(episode)}</text>'
-        for episode, begin, end in zip(edges[:-1].tolist(), begins.tolist(), ends.tolist(), strict=True)
-        if end - begin > _LABEL_PERCENT
-    )
-    flags = "".join(
-        f'<rect class="flag {severity}" x="{begin:.3f}%" width="{end - begin:.3f}%" y="-12" height="4"/>'
-        for severity, begin, end in zip(_worst(content, episodes, edges), begins.tolist(), ends.tolist(), strict=True)
-        if severity
-    )
-    role = f'role="img" aria-label="Episodes by length: {escape(_ribbon_says(view, content))}"'
-    return f'<svg class="ribbon" {role}>{flags}{bars}<rect class="here" y="-5" height="44" rx="4"/>{labels}</svg>'
+    begins = (100 * episodes.from_index[edges[:-1]] / n_frames).tolist()
+    ends = (100 * episodes.to_index[edges[1:] - 1] / n_frames).tolist()
+    spans = [(f"{begin:.3f}%", f"{end - begin:.3f}%") for begin, end in zip(begins, ends, strict=True)]
+    worst = _worst(content, episodes, edges)
+    return {
+        "says": _ribbon_says(view, content),
+        "bars": [
+            (kind, *span, f"{top:.1%}", f"{height:.1%}")
+            for span, segment in zip(spans, _segments(view, edges), strict=True)
+            for kind, top, height in segment
+            if height
+        ],
+        "flags": [(severity, *span) for severity, span in zip(worst, spans, strict=True) if severity],
+        "labels": [
+            (f"{(begin + end) / 2:.3f}%", episodes.number(episode))
+            for episode, begin, end in zip(edges[:-1].tolist(), begins, ends, strict=True)
+            if end - begin > _LABEL_PERCENT
+        ],
+    }
+
+
+def _segments(view: View, edges: Ints) -> Iterator[list[tuple[str, float, float]]]:
+    """Say of each segment how much of it is what: kind, where it begins, how high it is."""
+    if view.fine is None:
+        yield from [[("episode", 0.0, 1.0)]] * (len(edges) - 1)
+        return
+    for share in (np.add.reduceat(view.fine, edges[:-1], dtype=np.float64) / np.diff(edges)).tolist():
+        yield [("reached", 0.0, share), ("missed", share, 1 - share)]
 
 
 def _worst(content: Content, episodes: EpisodeIndex, edges: Ints) -> list[Severity | None]:
@@ -89,15 +83,13 @@ def _worst(content: Content, episodes: EpisodeIndex, edges: Ints) -> list[Severi
     return [SEVERITIES[place] if place < len(SEVERITIES) else None for place in worst]
 
 
-def range_bar(low: float, mean: float, high: float, scale: tuple[float, float]) -> str:
-    """Draw a range and its mean as a bar between the two ends of a scale; nothing where one of them is no number."""
+def range_bar(low: float, mean: float, high: float, scale: tuple[float, float]) -> dict[str, str] | None:
+    """Lay out a range and its mean between the two ends of a scale; nothing where one of them is no number."""
     width = scale[1] - scale[0]
     if not (np.isfinite([low, mean, high]).all() and width > 0):
-        return ""
+        return None
     begin, middle, end = (100 * (value - scale[0]) / width for value in (low, mean, high))
-    bar = f'<rect class="span" x="{begin:.2f}%" width="{max(end - begin, 0.5):.2f}%" y="25%" height="50%" rx="2"/>'
-    bar += f'<rect class="mean" x="{middle:.2f}%" width="2" height="100%"/>'
-    return f'<svg class="range" aria-hidden="true">{bar}</svg>'
+    return {"begin": f"{begin:.2f}%", "width": f"{max(end - begin, 0.5):.2f}%", "mean": f"{middle:.2f}%"}
 
 
 def _ribbon_says(view: View, content: Content) -> str:
@@ -106,28 +98,25 @@ def _ribbon_says(view: View, content: Content) -> str:
     return f"{view.stored.tally} called a success" if view.stored else f"{len(view.episodes):,} in all"
 
 
-def _bar(kind: str, begin: float, end: float, top: float, height: float) -> str:
-    where = f'x="{begin:.3f}%" width="{end - begin:.3f}%" y="{top:.1%}" height="{height:.1%}"'
-    return f'<rect class="{kind}" {where}/>' if height else ""
+def scene(content: Content, reading: Reading, name: str) -> dict[str, object]:
+    """Lay out the last shown frame of the first episode, seen from above; the script moves its parts.
 
-
-def scene(content: Content, reading: Reading, name: str) -> str:
-    """Draw the last shown frame of the first episode as SVG that stands by itself; the script moves its parts."""
+    `name` is the id of the picture.
+    """
     episode = slice(max(0, int(content.shown.to_index[0]) - LONGEST_PATH), int(content.shown.to_index[0]))
     decoded, camera = content.decoded(reading).take(episode), camera_of(content, reading)
-    bodies = content.bodies
-    moving = [pose for pose, body in bodies.items() if body.role != "goal"]
-    scale = _HALF / camera.half
-    return fill(
-        "scene.svg",
-        name=name,
-        label=escape("Seen from above: " + ", ".join(body.label for body in bodies.values())),
-        place=f"scale({scale:.6g} {-scale:.6g}) translate({-camera.middle[0]:.6g} {-camera.middle[1]:.6g})",
-        ground=_ground(content, camera),
-        ahead="".join(_path(pose, decoded, bodies[pose], "ahead", 'stroke-opacity="0.25"') for pose in moving),
-        paths="".join(_path(pose, decoded, bodies[pose], "path", "") for pose in moving),
-        bodies="".join(_body(pose, decoded, body, camera) for pose, body in bodies.items()),
-    )
+    bodies, scale = content.bodies, _HALF / camera.half
+    return {
+        "name": name,
+        "label": ", ".join(body.label for body in bodies.values()),
+        "place": f"scale({scale:.6g} {-scale:.6g}) translate({-camera.middle[0]:.6g} {-camera.middle[1]:.6g})",
+        "floor": _floor(content, camera),
+        "paths": [
+            (pose, body.role, _points(decoded.pose(pose))) for pose, body in bodies.items() if body.role != "goal"
+        ],
+        "bodies": [_body(pose, decoded, body, camera) for pose, body in bodies.items()],
+        "key": _key(content, reading, camera),
+    }
 
 
 def camera_of(content: Content, reading: Reading) -> Camera:
@@ -147,17 +136,14 @@ def _end(content: Content, reading: Reading, name: str, which: str) -> float:
     return float(ends.min() if which == "low" else ends.max())
 
 
-def _ground(content: Content, camera: Camera) -> str:
-    """Draw the floor with its grid, and the walls where a scene has some."""
+def _floor(content: Content, camera: Camera) -> dict[str, object]:
+    """Lay out the floor with its grid, and the walls where a scene has some."""
     half = content.scene.half_width if content.scene else camera.half
-    (x, y), step = (camera.middle, camera.grid) if not content.scene else ((0.0, 0.0), camera.grid)
-    rect = f'x="{x - half:.6g}" y="{y - half:.6g}" width="{2 * half:.6g}" height="{2 * half:.6g}"'
-    lines = [f"M{i * step:.6g} {y - half:.6g}v{2 * half:.6g}" for i in _inner(x - half, x + half, step)] + [
-        f"M{x - half:.6g} {i * step:.6g}h{2 * half:.6g}" for i in _inner(y - half, y + half, step)
-    ]
-    walls = f'<rect class="walls" {rect} stroke="#7b7f86" stroke-width="2" {_STROKE}/>' if content.scene else ""
-    grid = f'<path class="grid" d="{"".join(lines)}" stroke="#e9e6dd" stroke-width="1" {_STROKE}/>'
-    return f'<rect class="floor" {rect} fill="#fffefb"/>\n{grid}\n{walls}'
+    (x, y), step = (0.0, 0.0) if content.scene else camera.middle, camera.grid
+    lines = [f"M{i * step:.6g} {y - half:.6g}v{2 * half:.6g}" for i in _inner(x - half, x + half, step)]
+    lines += [f"M{x - half:.6g} {i * step:.6g}h{2 * half:.6g}" for i in _inner(y - half, y + half, step)]
+    place = {"x": f"{x - half:.6g}", "y": f"{y - half:.6g}", "width": f"{2 * half:.6g}"}
+    return {**place, "grid": "".join(lines), "has_walls": content.scene is not None}
 
 
 def _inner(low: float, high: float, step: float) -> range:
@@ -165,23 +151,18 @@ def _inner(low: float, high: float, step: float) -> range:
     return range(floor(low / step + 1.001), floor(high / step + 0.999))
 
 
-def _path(pose: str, decoded: Decoded, body: Body, kind: str, style: str) -> str:
-    points = _points(decoded.pose(pose))
-    paint = f'stroke="{_LINE_PAINT[body.role]}" {style} stroke-width="{2 if kind == "path" else 1.5}" {_STROKE}'
-    return f'<polyline class="{kind} {body.role}-line" data-pose="{escape(pose)}" points="{points}" {paint}/>\n'
-
-
-def _body(pose: str, decoded: Decoded, body: Body, camera: Camera) -> str:
-    paint = f"{_PAINT[body.role]} {_STROKE}"
-    place = f'data-pose="{escape(pose)}" transform="{_transform(decoded.pose(pose))}"'
-    if len(body.outline):
-        corners = "L".join(f"{x:.6g} {y:.6g}" for x, y in body.outline.tolist())
-        return f'<path class="body {body.role}" d="M{corners}Z" {place} {paint}/>\n'
+def _body(pose: str, decoded: Decoded, body: Body, camera: Camera) -> dict[str, object]:
+    """Lay out a body: its outline, or else a disc, with a line ahead where it is known how it is turned."""
+    corners = "L".join(f"{x:.6g} {y:.6g}" for x, y in body.outline.tolist())
     radius = body.reach or _POINT * camera.half
-    ahead = f'<path class="heading" d="M0 0H{2.4 * radius:.6g}" stroke-width="2" {_STROKE}/>'
-    inner = ahead if decoded.reading.poses[pose].yaw else ""
-    stroke = f'stroke="{_LINE_PAINT[body.role]}"' if inner else ""
-    return f'<g class="body {body.role}" {place} {stroke}><circle r="{radius:.6g}" {paint}/>{inner}</g>\n'
+    return {
+        "pose": pose,
+        "role": body.role,
+        "place": _transform(decoded.pose(pose)),
+        "outline": f"M{corners}Z" if corners else "",
+        "radius": f"{radius:.6g}",
+        "heading": f"M0 0H{2.4 * radius:.6g}" if decoded.reading.poses[pose].yaw else "",
+    }
 
 
 def _transform(pose: Pose) -> str:
@@ -193,6 +174,11 @@ def _points(pose: Pose) -> str:
     return " ".join(f"{a:.4g},{b:.4g}" for a, b in np.stack([pose.x, pose.y], axis=1).tolist())
 
 
-def grid_text(camera: Camera, unit: str) -> str:
-    """Say how wide a square of the grid is."""
-    return f"{100 * camera.grid:g} cm" if unit == "m" and camera.grid < 1 else f"{camera.grid:g} {unit}".strip()
+def _key(content: Content, reading: Reading, camera: Camera) -> list[tuple[str, str]]:
+    """Say what the colours are, and how wide a square of the grid is."""
+    key: list[tuple[str, str]] = [(body.role, body.label) for body in reversed(content.bodies.values())]
+    if reading.action:
+        key.append(("action", "action, one frame ahead"))
+    unit = next(iter(reading.poses.values())).unit
+    wide = f"{100 * camera.grid:g} cm" if unit == "m" and camera.grid < 1 else f"{camera.grid:g} {unit}".strip()
+    return [*key, ("grid", wide)]

@@ -1,0 +1,45 @@
+"""How do words get into a page? Through templates that escape whatever they are given.
+
+Markup is written in the templates beside this module and nowhere else. What is put into one is text: control
+characters are spelled out, then it is escaped. Only a filter in a template can say that something is markup.
+"""
+
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from z2r.errors import printable
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
+
+FOLDER = Path(__file__).parent
+
+
+def fill(template: str, **parts: object) -> str:
+    """Fill one of the templates.
+
+    Raises
+    ------
+    jinja2.UndefinedError
+        If it asks for a part that is not there.
+    """
+    return _environment().get_template(template).render(parts)
+
+
+@cache
+def _environment() -> "Environment":
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined  # costs time that only a page should take
+
+    return Environment(
+        autoescape=True,
+        finalize=_text,
+        loader=FileSystemLoader(FOLDER),
+        lstrip_blocks=True,
+        trim_blocks=True,
+        undefined=StrictUndefined,
+    )
+
+
+def _text(value: object) -> object:
+    return value if hasattr(value, "__html__") else printable(str(value))
