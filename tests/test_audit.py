@@ -133,7 +133,7 @@ def test_a_damage_is_named(kind, tmp_path, opened):
         and (damage.harmless or finding.severity != "note")
         for finding in audit.findings
     ), said(audit)
-    assert audit.exit_code == (2 if not audit.readable else 0 if damage.harmless else 1)
+    assert audit.exit_code == (3 if not audit.readable else 0 if damage.harmless else 1)
     # One rule book: what the reader refuses is an error here, too.
     assert damage.reader is None or any(finding.severity == "error" for finding in audit.findings), said(audit)
     for finding in audit.findings:
@@ -604,7 +604,7 @@ def test_a_check_of_what_cannot_be_read_that_fails_is_a_finding(standin_copy, mo
     break_check(monkeypatch, "info")
     audit = z2r.audit(standin_copy)
     assert [finding.check for finding in audit.findings] == [AUDIT.name]
-    assert audit.exit_code == 2
+    assert audit.exit_code == 3
 
 
 def test_a_scene_that_fails_is_a_finding_and_not_the_end(monkeypatch):
@@ -760,7 +760,7 @@ def test_the_folder_one_stands_in_is_a_dataset(command, standin_copy):
 
 @pytest.mark.parametrize(
     ("kind", "code"),
-    [("total_frames off by 17", 1), ("info missing", 2), ("no episode metadata", 2), ("stats missing", 1)],
+    [("total_frames off by 17", 1), ("info missing", 3), ("no episode metadata", 3), ("stats missing", 1)],
 )
 def test_the_command_on_a_damaged_one(kind, code, tmp_path):
     make(kind, tmp_path / "dataset")
@@ -785,7 +785,7 @@ KEYS = {
 }
 
 
-@pytest.mark.parametrize(("kind", "code"), [(None, 0), ("a timestamp jump", 1), ("info missing", 2)])
+@pytest.mark.parametrize(("kind", "code"), [(None, 0), ("a timestamp jump", 1), ("info missing", 3)])
 def test_json_is_the_audit_and_nothing_else(kind, code, tmp_path):
     root = tmp_path / "dataset"
     make(kind, root) if kind else shutil.copytree(z2r.STANDIN, root)

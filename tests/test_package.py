@@ -141,8 +141,19 @@ def test_every_command_of_the_readme_says_which_python_and_which_uv():
     assert "--from '.[view]' --constraints environment.lock z2r inspect" in lines[0]
     pinned = re.findall(r"uv==\S+", (ROOT / ".ci/run").read_text())[0]
     for line in lines:
-        assert "uvx --python '>=3.12,<3.14' " in line
-        assert line.startswith(("uvx", f"pip install {pinned} && uvx"))
+        assert re.search(r"uv(x| venv) --python '>=3\.12,<3\.14' ", line)
+        assert line.startswith(("uvx", f"pip install {pinned} && uv"))
+
+
+def test_no_workflow_takes_an_action_by_a_name_that_can_be_moved():
+    used = [
+        line
+        for path in (ROOT / ".github").rglob("*.yml")
+        for line in re.findall(r"^\s*- uses: (.*)", path.read_text(), re.M)
+    ]
+    assert len(used) >= 2
+    for line in used:
+        assert re.fullmatch(r"actions/[\w-]+@[0-9a-f]{40} # v\d+\.\d+\.\d+", line), line
 
 
 def requirements(*extras: str) -> set[str]:

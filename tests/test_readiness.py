@@ -164,9 +164,9 @@ def test_the_command_writes_what_lerobot_takes(split, tmp_path):
 def test_the_command_says_so_where_there_is_nothing_to_write(tmp_path):
     make("info missing", tmp_path / "dataset")
     result = run(tmp_path / "dataset", "--keep", "good.json", "--json", cwd=tmp_path)
-    assert result.returncode == 2
+    assert result.returncode == 3
     assert not (tmp_path / "good.json").exists()
-    assert json.loads(result.stdout)["exit_code"] == 2
+    assert json.loads(result.stdout)["exit_code"] == 3
     result = run(tmp_path / "dataset", "--keep", "good.json", cwd=tmp_path)
     assert "did not write good.json" in result.stdout
 
@@ -174,7 +174,7 @@ def test_the_command_says_so_where_there_is_nothing_to_write(tmp_path):
 def test_the_command_never_writes_into_the_dataset(standin_copy, tmp_path):
     result = run(standin_copy, "--keep", standin_copy / "meta/good.json", cwd=tmp_path)
     assert result.returncode == 2
-    assert "name another --keep" in re.sub(r"[\s│]+", " ", result.stderr)
+    assert "which is never written to. Name another" in re.sub(r"[\s│]+", " ", result.stderr)
     assert not (standin_copy / "meta/good.json").exists()
 
 

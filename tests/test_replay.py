@@ -190,6 +190,11 @@ def test_without_a_reading_the_numbers_are_shown_and_no_world(tmp_path, standin)
     assert not [entity for entity, _ in drawn if entity.startswith("/world")]
 
 
+def test_what_a_world_is_drawn_of_is_not_plotted_again(rows):
+    assert [entity for entity, _ in rows if entity.startswith("/policy/action")]
+    assert not [entity for entity, _ in rows if entity.startswith("/observation/state")]
+
+
 # --- where an episode ends, and which one is shown
 
 

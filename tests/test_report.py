@@ -269,7 +269,7 @@ def test_a_salvaged_dataset_is_shown_without_what_lies_between_its_episodes(tmp_
 
 def test_the_dataset_is_never_written_to(standin_copy):
     before = sorted(standin_copy.rglob("*"))
-    with pytest.raises(ValueError, match="inside the dataset"):
+    with pytest.raises(z2r.DatasetError, match="found a place in the dataset"):
         z2r.write_report(z2r.load(standin_copy), standin_copy / "meta/report.html")
     assert sorted(standin_copy.rglob("*")) == before
 

@@ -15,11 +15,14 @@ from z2r.audits import audit as audits
 from z2r.audits import beliefs
 from z2r.audits.audit import Audit, all_checks
 from z2r.audits.beliefs import Beliefs
+from z2r.audits.explain import EXPLANATIONS, Explanation, read_explanations
+from z2r.check import Check
 from z2r.data import READINGS_DIR, find_dataset
 from z2r.errors import DatasetError, Fault
 from z2r.format.dataset import Dataset
 from z2r.format.dataset import load as load_folder
 from z2r.format.schema import Schema, read_schema
+from z2r.pusht.scene import EXPLANATIONS as PUSHT_EXPLANATIONS
 from z2r.pusht.scene import SCENE
 from z2r.pusht.world import PUSHT
 from z2r.reading import inspection as inspections
@@ -38,8 +41,28 @@ MAX_REPLAY_FRAMES = 20_000  # half an hour at 10 Hz: more than anybody scrubs th
 
 SCENES: dict[str, Scene] = {SCENE.name: SCENE}
 
-CHECKS: dict[str, str] = {check.name: check.asks for check in all_checks(SCENE)}
+ALL_CHECKS: tuple[Check, ...] = all_checks(SCENE)
+"""All that is asked of a dataset, in the order in which findings come."""
+
+CHECKS: dict[str, str] = {check.name: check.asks for check in ALL_CHECKS}
 """What each check asks, by its name, in the order in which findings come. The names are stable."""
+
+
+def explain(check: str) -> Explanation:
+    """Say why a check is there, where it would have helped, and how to mend what it finds.
+
+    Raises
+    ------
+    ValueError
+        If there is no check of that name.
+    """
+    if check not in CHECKS:
+        near = get_close_matches(check, CHECKS, n=1)
+        raise ValueError(
+            f"found no check {check!r}"
+            + (f": did you mean {near[0]}?" if near else ", expected one of those in CHECKS")
+        )
+    return {**read_explanations(EXPLANATIONS), **read_explanations(PUSHT_EXPLANATIONS)}[check]
 
 
 def scene_of(reading: Reading | None) -> Scene | None:
@@ -300,7 +323,8 @@ def write_replay(
     Raises
     ------
     DatasetError
-        If a data file is missing, damaged, or not what the schema and the index say.
+        If a data file is missing, damaged, or not what the schema and the index say; or if `path` is in the dataset,
+        which is never written to, or cannot be written.
     ValueError
         If there is no such episode.
     """
@@ -340,9 +364,8 @@ def write_report(
     Raises
     ------
     DatasetError
-        If a data file is missing, damaged, or not what the schema and the index say.
-    ValueError
-        If `path` is inside the dataset, which is never written to.
+        If a data file is missing, damaged, or not what the schema and the index say; or if `path` is in the dataset,
+        which is never written to, or cannot be written.
     """
     dataset = _loaded(dataset)
     reading = reading or choose_reading(dataset.schema)

@@ -1,4 +1,4 @@
-"""The command line: `z2r inspect`, `z2r audit`, `z2r report`, `z2r reading`, `z2r ls` and `z2r record`.
+"""The command line: `z2r inspect`, `z2r audit`, `z2r explain`, `z2r report`, `z2r reading`, `z2r ls`, `z2r record`.
 
 What is slow to import is imported in the command that uses it, so that `--help` is there at once.
 """
@@ -8,7 +8,6 @@ import functools
 import importlib.util
 import io
 import sys
-import tempfile
 from collections.abc import Callable, Iterator
 from importlib.abc import MetaPathFinder
 from pathlib import Path
@@ -17,8 +16,8 @@ from typing import TYPE_CHECKING, NamedTuple, NoReturn
 import rich_click as click
 
 from z2r.data import MESSY, STANDIN, find_dataset
-from z2r.errors import DatasetError, Fault, MissingExtraError, count
-from z2r.format.store import folder_name
+from z2r.errors import DatasetError, MissingExtraError, count
+from z2r.format.store import exists, folder_name, outside, write
 from z2r.pusht.task import DEMO_NOISE, MAX_STEPS
 from z2r.reading.breaks import BREAK_MODES, BreakMode
 
@@ -32,6 +31,7 @@ if TYPE_CHECKING:
     from z2r.reading.reading import Reading
     from z2r.reading.verdict import Recording
 
+_FORMATS = ("text", "json", "sarif", "junit", "github")
 _SMOKE_STEPS = 40
 _SHIPPED_EPISODES = 6
 _NO_REPLAY = "no replay, which needs rerun. In a clone of the course: pip install '.[view]'"
@@ -48,8 +48,10 @@ def main() -> None:
         sys.stdout.reconfigure(errors="replace")  # a character that a terminal lacks is no reason to end
     try:
         cli(prog_name="z2r")
-    except (DatasetError, MissingExtraError, OSError) as error:
+    except (DatasetError, MissingExtraError) as error:
         _stop(f"{error}")
+    except OSError as error:  # what has no name and is written to is a disk or a pipe behind the standard output
+        _stop(f"standard output: {error.strerror.lower()}" if error.strerror and not error.filename else f"{error}")
 
 
 def _stop(why: str) -> NoReturn:
@@ -195,7 +197,8 @@ def inspect(
         raise click.UsageError("--seed and --smoke record afresh: leave DATASET out, or leave them out")
     root = _record_afresh(out, wanted, quiet=as_json) if afresh else find_dataset(dataset)
     title = "recorded afresh" if afresh else folder_name(root)
-    _refuse_inside(root, out)
+    for name in ("metrics.json", "inspect.rrd"):
+        outside(root, out / name)
     data, lost = _load(root, salvaged=salvage)
     screen = console(as_json)
     with _way_out(root, salvaged=salvage):
@@ -213,7 +216,7 @@ def inspect(
     elif rerun is None and not smoke:
         screen.print(_NO_REPLAY, soft_wrap=True)
     if as_json:
-        sys.stdout.buffer.write(metrics)
+        click.echo(metrics, nl=False)
 
 
 def _inspect(
@@ -267,11 +270,6 @@ def _read_verdict(root: Path) -> "tuple[Recording | None, str]":
         return read_verdict(root), ""
     except DatasetError as error:
         return None, f"verdict: it cannot be read. {error}"
-
-
-def _refuse_inside(root: Path, out: Path, option: str = "--out") -> None:
-    if out.resolve().is_relative_to(root.resolve()):
-        raise click.UsageError(f"{out} is inside the dataset, which is never written to: name another {option}")
 
 
 def _announce(screen: "Console", command: str, dataset: "Dataset") -> None:
@@ -367,8 +365,7 @@ def _write_metrics(
         episodes_read = range(len(inspection.episodes))
         numbers |= {"episode_numbers": [inspection.episodes.number(i) for i in episodes_read], "left_out": left_out}
     metrics = metrics_json(numbers)
-    out.mkdir(parents=True, exist_ok=True)
-    (out / "metrics.json").write_bytes(metrics)
+    write(out / "metrics.json", metrics, inspection.dataset.root)
     return metrics
 
 
@@ -427,11 +424,9 @@ def report(dataset: Path | None, *, reading: "Reading | None", out: Path, with_a
     data = load(find_dataset(dataset))
     reading = _fitting(reading, data.schema)
     _announce(screen, "report" if with_audit else "report --no-audit", data)
-    try:
-        with progress("reading", "frames", quiet=False) as move:
-            written = write_report(data, out, reading, move, with_audit=with_audit)
-    except ValueError as error:
-        raise click.UsageError(f"--out: {error}") from None
+    outside(data.root, out)  # before the work, which takes a while
+    with progress("reading", "frames", quiet=False) as move:
+        written = write_report(data, out, reading, move, with_audit=with_audit)
     screen.print(f"wrote {written.path}: open it in a browser", soft_wrap=True)
     if written.left_out:
         screen.print(f"to keep the page small: {written.left_out}", soft_wrap=True)
@@ -452,7 +447,21 @@ def report(dataset: Path | None, *, reading: "Reading | None", out: Path, with_a
     help="Write the numbers of the episodes that no error is about, as `lerobot-train --dataset.episodes` takes them.",
 )
 @click.option("--pictures", is_flag=True, help="Decode some pictures of every episode, too. Needs the extra `video`.")
-@click.option("--json", "as_json", is_flag=True, help="Print the findings as JSON and nothing else.")
+@click.option(
+    "--baseline",
+    type=click.Path(path_type=Path, dir_okay=False),
+    metavar="FILE",
+    help="Leave out what `z2r audit --json` printed into FILE before: only what is new counts.",
+)
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice(_FORMATS),
+    default="text",
+    show_default=True,
+    help="Print the findings for a program, and nothing else: SARIF 2.1.0, JUnit's XML, annotations of GitHub.",
+)
+@click.option("--json", "form", flag_value="json", help="The same as `--format json`.")
 def audit(
     dataset: Path | None,
     *,
@@ -460,7 +469,8 @@ def audit(
     mode: BreakMode | str | None,
     keep: Path | None,
     pictures: bool,
-    as_json: bool,
+    baseline: Path | None,
+    form: str,
 ) -> None:
     """Say what is wrong with a dataset: each finding with what was found, what was expected, and how to mend it.
 
@@ -470,56 +480,63 @@ def audit(
     compared. So are its values with its statistics, and its reading with what its task allows. At the end it says what
     was not checked.
 
-    The exit code is 0 where there is no error and no warning, 1 where there is one, and 2 where the dataset cannot be
-    read. A note is good to know before training, and fails nothing. With `--break all` it is 0 whatever is refuted, and
-    2 where the dataset is not whole.
+    The exit code is 0 where there is no error and no warning, 1 where there is one, 2 where the command cannot run as
+    it stands, and 3 where nothing was audited: the schema or the episodes cannot be read. A note is good to know before
+    training, and fails nothing. With `--break all` it is 0 whatever is refuted, and 2 where the dataset is not whole.
 
     - `z2r audit my_dataset && train my_dataset` trains on nothing that is broken
     - `z2r audit my_dataset --keep good.json`, and `lerobot-train --dataset.episodes="$(cat good.json)" ...` leaves the
       episodes out that have an error
     - `z2r audit my_dataset --pictures` also sees a camera that is black or frozen, or films another episode
-    - `z2r audit my_dataset --json` is for scripts
+    - `z2r audit my_dataset --json > accepted.json`, and `z2r audit my_dataset --baseline accepted.json` tells and
+      counts only what is new since then
+    - `z2r audit my_dataset --format github` annotates a pull request; `sarif` and `junit` are for other services
+    - `z2r explain late` says of a check why it is there, and how to mend what it finds
     - `z2r audit --break yaw-swap-everywhere` finds by a number what the share reached hides
     - `z2r audit my_dataset --break all` says which wrong beliefs about it the data refutes, and which it cannot
     """
-    import msgspec
-
+    from z2r.api import ALL_CHECKS, load, reading_for
     from z2r.api import audit as audit_dataset
-    from z2r.api import load, reading_for
+    from z2r.audits.baseline import read_baseline
     from z2r.format.schema import read_schema
+    from z2r.show.formats import FORMATS
     from z2r.show.terminal import audit_report, console, progress
 
+    quiet = form != "text"
+    accepted = read_baseline(baseline) if baseline else frozenset()
     root = find_dataset(dataset)
     title = folder_name(root)
-    screen = console(as_json)
+    screen = console(quiet)
     if keep:
-        _refuse_inside(root, keep, "--keep")
+        outside(root, keep)
     with contextlib.suppress(DatasetError):  # of a schema that cannot be read, the audit says why
         _fitting(reading, read_schema(root))
     if isinstance(mode, str):
         if keep or pictures:
             raise click.UsageError("--break all audits what is believed: it goes with neither --keep nor --pictures")
+        if baseline or form not in ("text", "json"):
+            raise click.UsageError("--break all audits what is believed: it goes with no --baseline, and --format json")
         _audit_beliefs(root, reading, screen)
         return
     if mode:
         _say_what_is_wrong(screen, mode, load(root), reading or reading_for(root))
-    with progress("auditing", "data files, then episodes of cameras" if pictures else "data files", as_json) as move:
+    with progress("auditing", "data files, then episodes of cameras" if pictures else "data files", quiet) as move:
         found = audit_dataset(root, mode, reading, move, pictures=pictures)
-    screen.print(audit_report(found, title), crop=False)
+    told = found.without(accepted)
+    screen.print(audit_report(told, title), crop=False)
     if keep:
-        _write_kept(found, keep, screen)
-    if as_json:
-        click.echo(msgspec.json.format(msgspec.json.encode(found.to_dict(title)), indent=2))
-    sys.exit(found.exit_code)
+        _write_kept(found, keep, screen, root)
+    if quiet:
+        click.echo(FORMATS[form](told, root, ALL_CHECKS))
+    sys.exit(told.exit_code)
 
 
-def _write_kept(found: "Audit", path: Path, screen: "Console") -> None:
+def _write_kept(found: "Audit", path: Path, screen: "Console", root: Path) -> None:
     """Write the episodes that no error is about, and say of which errors that tells nothing."""
     if not found.readable:
         screen.print(f"did not write {path}: nobody knows what an episode is", soft_wrap=True)
         return
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(f"{[*found.kept]}\n", encoding="utf-8")
+    write(path, f"{[*found.kept]}\n".encode(), root)
     screen.print(f"wrote {path}: {len(found.kept):,} of {count(found.n_episodes, 'episode')}", soft_wrap=True)
     if found.of_all:
         screen.print(
@@ -540,6 +557,26 @@ def _audit_beliefs(root: Path, reading: "Reading | None", screen: "Console") -> 
     screen.print(beliefs_report(found, title))
     if screen.quiet:
         click.echo(msgspec.json.format(msgspec.json.encode(found.to_dict(title)), indent=2))
+
+
+@cli.command()
+@click.argument("check", required=False)
+def explain(check: str | None) -> None:
+    """Say what a check asks, why, where it happened, and how to mend what it finds; without CHECK, list them all."""
+    from z2r.api import ALL_CHECKS
+    from z2r.api import explain as explain_check
+    from z2r.show.terminal import check_list, console, explained
+
+    screen = console()
+    if check is None:
+        screen.print(check_list(ALL_CHECKS))
+        return
+    try:
+        why = explain_check(check)
+    except ValueError as error:
+        raise click.UsageError(str(error)) from None
+    [asked] = [each for each in ALL_CHECKS if each.name == check]
+    screen.print(explained(asked, why))
 
 
 @cli.command()
@@ -569,10 +606,9 @@ def reading(dataset: Path | None, *, out: Path | None) -> None:
     if out is None:
         click.echo(draft, nl=False)
         return
-    _refuse_inside(data.root, out)
-    if out.exists():
+    if exists(out):
         raise click.UsageError(f"--out: {out} exists, and you may have filled it in: name another file")
-    out.write_text(draft, encoding="utf-8")
+    write(out, draft.encode(), data.root)
     click.echo(f"wrote {out}: fill in what is unknown, then z2r inspect {data.root} --reading {out}")
 
 
@@ -646,7 +682,7 @@ class _Wanted(NamedTuple):
     max_steps: int
 
 
-def _record(out: Path, wanted: _Wanted, noise: float, quiet: bool) -> None:
+def _record(out: Path, wanted: _Wanted, noise: float, *, quiet: bool, replace: bool = False) -> None:
     from z2r.pusht.simulator import recorder
     from z2r.show.terminal import console, expectation, progress
 
@@ -655,31 +691,11 @@ def _record(out: Path, wanted: _Wanted, noise: float, quiet: bool) -> None:
     screen.print(expectation("record", wanted.episodes), soft_wrap=True)
     seeds = range(wanted.seed, wanted.seed + wanted.episodes)
     with progress("recording", "episodes", quiet) as move:
-        recorder.record(out, seeds, noise, wanted.max_steps, move)
+        recorder.record(out, seeds, noise, wanted.max_steps, move, replace=replace)
 
 
 def _record_afresh(out: Path, wanted: _Wanted, *, quiet: bool) -> Path:
     """Record into `out`, in place of what an earlier run recorded there, and return the dataset."""
     root = out / "dataset"
-    with _replacing_a_recording(root) if root.exists() else contextlib.nullcontext():
-        _record(root, wanted, DEMO_NOISE, quiet)
+    _record(root, wanted, DEMO_NOISE, quiet=quiet, replace=True)
     return root
-
-
-@contextlib.contextmanager
-def _replacing_a_recording(root: Path) -> Iterator[None]:
-    """Make way for a new recording; the one that is there comes back if no new one comes about."""
-    from z2r.reading.verdict import read_verdict, verdict_path
-
-    verdict = verdict_path(root)
-    if read_verdict(root) is None:
-        expected = f"nothing, or a recording with {verdict.name} beside it, which is replaced"
-        raise DatasetError(Fault(root, "", "something else", expected, "Move it away, or name another --out"))
-    with tempfile.TemporaryDirectory(prefix=".", suffix=".replaced", dir=root.parent) as folder:
-        aside = [path.rename(Path(folder) / path.name) for path in (root, verdict)]
-        try:
-            yield
-        except BaseException:
-            for path in aside:
-                path.rename(root.parent / path.name)
-            raise

@@ -6,7 +6,7 @@ itself in one place against what it says in another, and goes on.
 
 import os
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from concurrent.futures import Executor
 from functools import partial
 from pathlib import Path
@@ -44,6 +44,9 @@ from z2r.reading.reading import Reading
 from z2r.reading.scene import Scene, SceneSums
 from z2r.reading.stored import label_in
 
+NOTHING_AUDITED = 3
+"""The exit code where no frame was looked at: neither 0, for nothing is known, nor 1, for nothing was found."""
+
 MAX_OF_A_CHECK = 5  # findings in detail: a fault that is in every file would hide the others
 
 PARTS = parts_in(structure, index, tasks, values, joints, motion, stats, labels, readiness, cameras, pictures)
@@ -67,8 +70,8 @@ class Audit(msgspec.Struct, frozen=True):
     ----------
     findings : tuple of Finding
         In the order of the checks; empty where nothing is wrong.
-    more : dict of str to int
-        How many further findings of a check are left out.
+    rest : tuple of Finding
+        Further findings of a check that has many, in the same order: what is told leaves them out.
     not_checked : tuple of str
         What was not checked, and why.
     n_episodes, n_frames : int
@@ -81,22 +84,30 @@ class Audit(msgspec.Struct, frozen=True):
         files below `data`: one that is broken must be moved away all the same.
     readable : bool
         False where `meta/info.json` or all episode metadata cannot be read, so that no frame was looked at.
+    n_accepted : int
+        How many findings were accepted before, and are not among these.
     """
 
     findings: tuple[Finding, ...]
-    more: dict[str, int]
+    rest: tuple[Finding, ...]
     not_checked: tuple[str, ...]
     n_episodes: int
     n_frames: int
     break_mode: str | None
     kept: tuple[int, ...]
     readable: bool
+    n_accepted: int = 0
+
+    @property
+    def more(self) -> dict[str, int]:
+        """How many further findings of a check are left out."""
+        return dict(Counter(finding.check for finding in self.rest))
 
     @property
     def exit_code(self) -> int:
-        """0 where there is no error and no warning, 1 where there is one, 2 where the dataset is not readable."""
+        """0 where there is no error and no warning, 1 where there is one, 3 where nothing could be audited."""
         if not self.readable:
-            return 2
+            return NOTHING_AUDITED
         return int(any(finding.severity != "note" for finding in self.findings))
 
     @property
@@ -104,6 +115,14 @@ class Audit(msgspec.Struct, frozen=True):
         """The checks of which an error is about no episode in particular, and keeps none out of `kept`."""
         errors = (each for each in self.findings if each.severity == "error" and not each.episodes)
         return tuple(dict.fromkeys(each.check for each in errors))
+
+    def without(self, accepted: Collection[str]) -> "Audit":
+        """Return the audit without the findings that somebody has accepted, by their fingerprints."""
+        order = [*dict.fromkeys(finding.check for finding in self.findings)]
+        all_of_it = sorted((*self.findings, *self.rest), key=lambda each: order.index(each.check))
+        new = [finding for finding in all_of_it if finding.fingerprint not in accepted]
+        findings, rest = _first_of_each(new)
+        return replace(self, findings=findings, rest=rest, n_accepted=len(all_of_it) - len(new))
 
     def to_dict(self, source: str) -> dict[str, Any]:
         """Return the audit as plain Python values for `z2r audit --json`; keys are added and never renamed.
@@ -118,8 +137,8 @@ class Audit(msgspec.Struct, frozen=True):
         dict
             ``source``, ``break_mode``, ``exit_code``, ``n_episodes``, ``n_frames``; ``n_errors``, ``n_warnings``,
             ``n_notes``, of those in ``findings``; ``findings``, each with ``check``, ``severity``, ``file``, ``field``,
-            ``found``, ``expected``, ``mend``, ``episodes`` and ``frame``; ``more``, how many findings of a check are
-            left out; and ``not_checked``.
+            ``found``, ``expected``, ``mend``, ``episodes``, ``frame`` and ``fingerprint``; ``more``, how many findings
+            of a check are left out, and ``more_fingerprints``; ``n_accepted``; and ``not_checked``.
         """
         counts = Counter(finding.severity for finding in self.findings)
         return {
@@ -129,8 +148,13 @@ class Audit(msgspec.Struct, frozen=True):
             "n_episodes": self.n_episodes,
             "n_frames": self.n_frames,
             **{f"n_{severity}s": counts[severity] for severity in SEVERITIES},
-            "findings": [msgspec.to_builtins(each) | {"episodes": [*each.episodes]} for each in self.findings],
+            "n_accepted": self.n_accepted,
+            "findings": [
+                msgspec.to_builtins(each) | {"episodes": [*each.episodes], "fingerprint": each.fingerprint}
+                for each in self.findings
+            ],
             "more": self.more,
+            "more_fingerprints": [each.fingerprint for each in self.rest],
             "not_checked": list(self.not_checked),
         }
 
@@ -384,9 +408,9 @@ def _failed(findings: Iterable[Finding]) -> Iterator[str]:
 
 def _ended(findings: Sequence[Finding], mode: BreakMode | None) -> Audit:
     nothing_else = "everything else: without meta/info.json and the episode metadata, frames mean nothing"
-    kept, more = _in_order(findings, all_checks())
+    kept, rest = _in_order(findings, all_checks())
     name = mode.name if mode else None
-    return Audit(kept, more, (*_failed(findings), nothing_else), 0, 0, name, kept=(), readable=False)
+    return Audit(kept, rest, (*_failed(findings), nothing_else), 0, 0, name, kept=(), readable=False)
 
 
 def _without_error(numbers: Ints, findings: Iterable[Finding]) -> tuple[int, ...]:
@@ -394,13 +418,17 @@ def _without_error(numbers: Ints, findings: Iterable[Finding]) -> tuple[int, ...
     return tuple(number for number in numbers.tolist() if number not in wrong)
 
 
-def _in_order(findings: Iterable[Finding], checks: Sequence[Check]) -> tuple[tuple[Finding, ...], dict[str, int]]:
-    """Sort findings by their checks, the worst of each first; keep some of each, and count the others."""
+def _in_order(findings: Iterable[Finding], checks: Sequence[Check]) -> tuple[tuple[Finding, ...], tuple[Finding, ...]]:
+    """Sort findings by their checks, the worst of each first; part the first of each from the others."""
     order = [check.name for check in checks]
+    return _first_of_each(sorted(findings, key=lambda each: (order.index(each.check), SEVERITIES.index(each.severity))))
+
+
+def _first_of_each(findings: Iterable[Finding]) -> tuple[tuple[Finding, ...], tuple[Finding, ...]]:
     seen: Counter[str] = Counter()
-    kept = []
-    for finding in sorted(findings, key=lambda each: (order.index(each.check), SEVERITIES.index(each.severity))):
+    first: list[Finding] = []
+    rest: list[Finding] = []
+    for finding in findings:
         seen[finding.check] += 1
-        if seen[finding.check] <= MAX_OF_A_CHECK:
-            kept.append(finding)
-    return tuple(kept), {check: count - MAX_OF_A_CHECK for check, count in seen.items() if count > MAX_OF_A_CHECK}
+        (first if seen[finding.check] <= MAX_OF_A_CHECK else rest).append(finding)
+    return tuple(first), tuple(rest)

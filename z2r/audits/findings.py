@@ -1,5 +1,7 @@
 """What was found, what was expected, how to mend it, and which check says so: a finding."""
 
+import hashlib
+import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
@@ -50,6 +52,16 @@ class Finding(msgspec.Struct, frozen=True):
     mend: str
     episodes: tuple[int, ...] = ()
     frame: int | None = None
+
+    @property
+    def fingerprint(self) -> str:
+        """What tells it from other findings, as 16 hex digits, whatever order they come in.
+
+        The numbers in what was found and expected do not count: they change with every episode that is recorded.
+        """
+        said = re.sub(r"\d[\d.,]*", "#", f"{self.found}\0{self.expected}")
+        parts = "\0".join((self.check, self.severity, self.file, self.field, said))
+        return hashlib.sha256(parts.encode(errors="backslashreplace")).hexdigest()[:16]
 
     def __str__(self) -> str:
         where = ": ".join(filter(None, [self.file, self.field]))

@@ -105,9 +105,16 @@ def _hub_cache() -> Path:
 
 
 def _home() -> Path:
-    return _variable("HF_HOME") or (_variable("XDG_CACHE_HOME") or Path("~/.cache").expanduser()) / "huggingface"
+    return _variable("HF_HOME") or (_variable("XDG_CACHE_HOME") or _expanded("~/.cache")) / "huggingface"
 
 
 def _variable(name: str) -> Path | None:
     value = os.environ.get(name)
-    return Path(os.path.expandvars(value)).expanduser() if value else None
+    return _expanded(os.path.expandvars(value)) if value else None
+
+
+def _expanded(path: str) -> Path:
+    try:
+        return Path(path).expanduser()
+    except RuntimeError:  # there is no home, and so nothing in it
+        return Path(path)

@@ -1,9 +1,16 @@
-"""Where do the bytes come from? The one door to the file system: no other module that reads a dataset opens a file.
+"""Where do the bytes come from, and where do they go? The one door to the file system.
 
-A dataset is untrusted input: no path leaves its folder, no size is believed, and nothing that may never end is opened.
+No other module that reads a dataset opens a file, and none writes an output. A dataset is untrusted input: no path
+leaves its folder, no size is believed, nothing that may never end is opened, and it is never written to. An output is
+whole or not there: it is written under a hidden name beside its place, and renamed.
 """
 
+import contextlib
+import errno
 import hashlib
+import os
+import shutil
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,6 +23,7 @@ _AGAIN = "Copy or download the dataset again"
 _POINTER = b"version https://git-lfs"
 _MAX_POINTER_BYTES = 1024  # by the specification of Git LFS
 _RIGHTS = "Give yourself the right to read the dataset: chmod -R u+rX"
+_NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
 def inside(root: Path, relative: Path | str) -> Path:
@@ -31,7 +39,7 @@ def inside(root: Path, relative: Path | str) -> Path:
     """
     path = root / relative
     try:
-        real, real_root = path.resolve(), root.resolve()
+        real, folders = path.resolve(), _folders_of(root)
         is_device = real.exists() and not real.is_file() and not real.is_dir()
     except RuntimeError:  # Python up to 3.12 says so of a link that leads to itself
         raise DatasetError(Fault(path, "", "a link that leads to itself", "a file")) from None
@@ -39,15 +47,140 @@ def inside(root: Path, relative: Path | str) -> Path:
         raise DatasetError(fault_of(error, path, "a file that can be read")) from None
     except (OSError, ValueError) as error:
         raise DatasetError(Fault(path, "", f"a path that cannot be ({error.args[-1]})", "a file")) from None
-    allowed = [real_root]
-    if real_root.parent.name == "snapshots":
-        allowed.append(real_root.parents[1] / "blobs")
-    if not any(real.is_relative_to(folder) for folder in allowed):
+    if not any(real.is_relative_to(folder) for folder in folders):
         mend = "If you trust the link, copy the dataset with its links followed: cp -rL"
         raise DatasetError(Fault(path, "", "a path that leads out of the dataset", "a file inside the dataset", mend))
     if is_device:
         raise DatasetError(Fault(path, "", "a pipe or a device, which may never end", "a file"))
     return path
+
+
+def outside(root: Path, path: Path) -> Path:
+    """Return where an output goes, links followed, and refuse a place that is a dataset's.
+
+    Raises
+    ------
+    DatasetError
+        If the path is in the dataset, or another name of a file of it, by a symbolic or a hard link.
+    """
+    try:
+        real = path.resolve()
+        mine = any(real.is_relative_to(folder) for folder in _folders_of(root)) or _is_hard_link_into(root, real)
+    except (OSError, RuntimeError, ValueError) as error:
+        raise DatasetError(
+            Fault(path, "", f"a path that cannot be ({error.args[-1]})", "a place to write to")
+        ) from None
+    if mine:
+        expected = f"a place outside of {root}, which is never written to"
+        raise DatasetError(Fault(path, "", "a place in the dataset", expected, "Name another"))
+    return real
+
+
+def _folders_of(root: Path) -> list[Path]:
+    """Return where the files of a dataset are, links followed."""
+    real = root.resolve()
+    return [real, real.parents[1] / "blobs"] if real.parent.name == "snapshots" else [real]
+
+
+def _is_hard_link_into(root: Path, path: Path) -> bool:
+    return (
+        path.is_file() and path.stat().st_nlink > 1 and any(map(path.samefile, filter(Path.is_file, root.rglob("*"))))
+    )
+
+
+def write(path: Path, contents: bytes, dataset: Path | None = None) -> None:
+    """Write a file whole or not at all: who looks sees what was there, or all of the new one.
+
+    A run that is killed may leave a hidden file beside it, `.z2r-*.part`, and nothing under its name.
+
+    Parameters
+    ----------
+    path : Path
+        The file. One that is there is replaced; folders that are missing are made.
+    contents : bytes
+        All of it.
+    dataset : Path, optional
+        The dataset that the output is about, which it must lie outside of.
+
+    Raises
+    ------
+    DatasetError
+        If it is not `outside` of the dataset, is no file, or cannot be written, as where the disk is full.
+    """
+    with _written_to(path):
+        real = outside(dataset, path) if dataset else path.resolve()
+        if real.exists() and not real.is_file():
+            raise DatasetError(Fault(path, "", "a folder, a pipe or a device", "a file, or nothing", "Name another"))
+        real.parent.mkdir(parents=True, exist_ok=True)
+        with _hidden(real.parent) as part:
+            with part.open("xb") as file:
+                file.write(contents)
+                file.flush()
+                os.fsync(file.fileno())  # some file systems say only here that they are full
+            part.replace(real)
+
+
+@contextlib.contextmanager
+def folder_for(*paths: Path) -> Iterator[Path]:
+    """Lend a hidden folder; what is in it at the end, under the names of these paths, takes their places together.
+
+    What was in these places goes. It is still there, or comes back, where something fails. A run that is killed while
+    the names change leaves each of them whole or absent, and never a new one beside an old one.
+
+    Parameters
+    ----------
+    *paths : Path
+        Files and folders, all in one folder.
+
+    Raises
+    ------
+    DatasetError
+        If they cannot be written, as where the disk is full.
+    """
+    parent = paths[0].parent
+    with _written_to(paths[0]):
+        parent.mkdir(parents=True, exist_ok=True)
+        with _hidden(parent) as folder:
+            aside = folder / "replaced"
+            aside.mkdir(parents=True)
+            yield folder
+            _exchange(folder, aside, paths)
+
+
+def _exchange(folder: Path, aside: Path, paths: tuple[Path, ...]) -> None:
+    moves = [(path, aside / path.name) for path in paths if path.exists()]
+    moves += [(folder / path.name, path) for path in paths]
+    done = []
+    try:
+        for source, target in moves:
+            source.rename(target)
+            done.append((source, target))
+    except BaseException:
+        for source, target in reversed(done):
+            target.rename(source)
+        raise
+
+
+@contextlib.contextmanager
+def _hidden(parent: Path) -> Iterator[Path]:
+    """Lend a name that nobody uses, and remove what has it at the end."""
+    part = parent / f".z2r-{os.urandom(8).hex()}.part"
+    try:
+        yield part
+    finally:
+        with contextlib.suppress(OSError):  # what went wrong before is what to say
+            shutil.rmtree(part) if part.is_dir() else part.unlink(missing_ok=True)
+
+
+@contextlib.contextmanager
+def _written_to(path: Path) -> Iterator[None]:
+    """Say of a path what the system says while it is written."""
+    try:
+        yield
+    except OSError as error:
+        found, full = (error.strerror or str(error)).lower(), error.errno in _NO_ROOM
+        mend = f"{'Make room there, or name' if full else 'Name'} another place. What was there before is as it was"
+        raise DatasetError(Fault(path, "", found, "a place that can be written to", mend)) from None
 
 
 def folder_name(root: Path) -> str:
@@ -202,9 +335,9 @@ def find(root: Path, folder: Path | str, pattern: str) -> list[Path]:
     Raises
     ------
     DatasetError
-        If nobody may look.
+        If nobody may look, or the folder leads out of the dataset.
     """
-    where = root / folder
+    where = inside(root, folder)
     try:
         for each in (where, *where.glob(str(Path(pattern).parent))):
             if each.is_dir():

@@ -41,3 +41,6 @@ class PushTScene:
 
 
 SCENE = PushTScene()
+
+EXPLANATIONS = Path(__file__).with_name("explanations.toml")
+"""Why its checks are there: `z2r.audits.explain` reads it."""

@@ -14,7 +14,7 @@ import numpy as np
 from z2r.arrays import Bools
 from z2r.errors import DatasetError, Fault
 from z2r.format.episodes import EpisodeIndex
-from z2r.format.store import is_file, read_bytes
+from z2r.format.store import is_file, read_bytes, write
 
 _MAX_BYTES = 2**28
 _MEND = "Record it again, or move it away: the dataset can be read without it"
@@ -84,7 +84,7 @@ def write_verdict(root: Path, recording: Recording) -> None:
         for each in recording.episodes
     ]
     said = {"command": recording.command, "stack": recording.stack, "episodes": episodes}
-    verdict_path(root).write_bytes(msgspec.json.format(msgspec.json.encode(said), indent=2) + b"\n")
+    write(verdict_path(root), msgspec.json.format(msgspec.json.encode(said), indent=2) + b"\n")
 
 
 def read_verdict(root: str | os.PathLike[str]) -> Recording | None:

@@ -1,7 +1,5 @@
 """How does a column get into a recording (.rrd)? Whole, with a row for every frame, never row by row."""
 
-from pathlib import Path
-
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
@@ -12,7 +10,7 @@ APPLICATION_ID = "seeing-like-a-robot"
 
 
 class Recorder:
-    """Sends columns to a file. Frames of all episodes lie one after another on two timelines: `sim_time` and `frame`.
+    """Collects columns. Frames of all episodes lie one after another on two timelines: `sim_time` and `frame`.
 
     Attributes
     ----------
@@ -22,9 +20,10 @@ class Recorder:
         Of all episodes together.
     """
 
-    def __init__(self, path: Path, fps: float, lengths: Ints) -> None:
-        self.stream = rr.RecordingStream(APPLICATION_ID, recording_id=path.stem)
-        self.stream.save(path)
+    def __init__(self, name: str, fps: float, lengths: Ints) -> None:
+        self.stream = rr.RecordingStream(APPLICATION_ID, recording_id=name)
+        # Not `save`: where the disk is full, rerun 0.41 may wait for ever, and leaves half a file.
+        self._memory = self.stream.memory_recording()
         self.fps, self.starts, self.n_frames = fps, np.cumsum(lengths) - lengths, int(lengths.sum())
 
     def static(self, entity: str, *components: rr.AsComponents) -> None:
@@ -47,8 +46,10 @@ class Recorder:
         if len(frames):
             self.columns(entity, rr.Clear.columns(is_recursive=[False] * len(frames)), frames.astype(float) - 0.5)
 
-    def close(self, blueprint: rrb.Blueprint) -> None:
-        """Put the layout of the viewer into the file, and close it."""
+    def close(self, blueprint: rrb.Blueprint) -> bytes:
+        """Add the layout of the viewer, and return what is to be in the file."""
         self.stream.send_blueprint(blueprint)
         self.stream.flush()
+        contents = self._memory.drain_as_bytes()
         self.stream.disconnect()
+        return contents

@@ -17,6 +17,7 @@ from z2r.arrays import Columns
 from z2r.errors import printable
 from z2r.format.about import About, read_task_texts
 from z2r.format.schema import STATE
+from z2r.format.store import write
 from z2r.reading.decode import Decoded, decode
 from z2r.reading.inspection import Inspection
 from z2r.reading.scene import Scene
@@ -62,11 +63,16 @@ def write_replay(inspection: Inspection, path: Path, scene: Scene | None = None)
         The .rrd file to write. One that is there is replaced.
     scene : Scene, optional
         What the bodies look like; without it, each is a point.
+
+    Raises
+    ------
+    DatasetError
+        If `path` is in the dataset, which is never written to, or cannot be written.
     """
     dataset, reading, shown = inspection.dataset, inspection.reading, inspection.shown
     frames: Columns = {name: values[shown.frame_numbers] for name, values in inspection.kept.items()}
     decoded = decode(frames, reading, dataset.schema) if reading else None
-    recorder = Recorder(path, dataset.schema.fps, shown.lengths)
+    recorder = Recorder(path.stem, dataset.schema.fps, shown.lengths)
     world = send_world(recorder, decoded, scene) if decoded and decoded.reading.poses else None
     seen = send_cameras(recorder, dataset, shown.moved(inspection.kept_from))
     left_out = [STATE] if world else []  # the world is drawn of it
@@ -74,7 +80,7 @@ def write_replay(inspection: Inspection, path: Path, scene: Scene | None = None)
     goals = _send_errors(recorder, decoded) if decoded else []
     strip = _send_episodes(recorder, inspection)
     recorder.static("about", rr.TextDocument(_about(inspection.about, seen)))
-    recorder.close(_layout(world, seen.cameras, goals, pages, strip))
+    write(path, recorder.close(_layout(world, seen.cameras, goals, pages, strip)), dataset.root)
     return Replay(path, recorder.n_frames, len(shown), seen.left_out)
 
 

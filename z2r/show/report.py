@@ -14,6 +14,7 @@ from pathlib import Path
 
 from z2r.audits.audit import Audit
 from z2r.format.schema import Schema
+from z2r.format.store import write
 from z2r.reading.inspection import Inspection
 from z2r.reading.reading import Reading
 from z2r.reading.scene import Scene
@@ -100,15 +101,12 @@ def write_report(
 
     Raises
     ------
-    ValueError
-        If `path` is inside the dataset, which is never written to.
+    DatasetError
+        If `path` is in the dataset, which is never written to, or cannot be written.
     """
     path = Path(path)
-    if path.resolve().is_relative_to(inspection.dataset.root.resolve()):
-        raise ValueError(f"{path} is inside the dataset, which is never written to")
     content = read_content(inspection, _MAX_BYTES, scene, audit)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(render(content), encoding="utf-8")
+    write(path, render(content).encode(), inspection.dataset.root)
     return Report(path, len(content.shown), content.shown.n_frames, content.left_out)
 
 

@@ -18,7 +18,7 @@ from rich.text import Text
 
 from z2r.audits.edit import PROGRAM
 from z2r.audits.findings import Finding
-from z2r.check import SEVERITIES, Severity
+from z2r.check import SEVERITIES, Check, Severity
 from z2r.errors import count, printable, short, some
 from z2r.format.about import About, short_names
 from z2r.format.schema import Schema
@@ -32,6 +32,7 @@ from z2r.show.listing import Listed
 if TYPE_CHECKING:  # `z2r inspect` has no use for it
     from z2r.audits.audit import Audit
     from z2r.audits.beliefs import Belief, Beliefs
+    from z2r.audits.explain import Explanation
 
 MAX_ROWS = 20  # of a table: what fits on a screen
 
@@ -99,8 +100,30 @@ def audit_report(audit: "Audit", title: str) -> RenderableType:
     worst_first = sorted(audit.findings, key=lambda finding: SEVERITIES.index(finding.severity))
     findings = [part for finding in worst_first for part in (Text(), _finding(finding))]
     left_out = [Text(f"{check}: {number:,} more like these", style="dim") for check, number in audit.more.items()]
+    if audit.n_accepted:
+        left_out.append(Text(f"accepted before, and left out: {count(audit.n_accepted, 'finding')}", style="dim"))
     not_checked = [Text(f"not checked: {printable(what)}", style="dim") for what in audit.not_checked]
     return Group(head, *findings, Text(), *left_out, _verdict(audit), *not_checked)
+
+
+def check_list(checks: Sequence[Check]) -> RenderableType:
+    """Return a table of what each check asks."""
+    table = _table("What z2r audit asks")
+    for name in ("check", "severity", "what holds where nothing is wrong"):
+        table.add_column(name, overflow="fold")
+    for check in checks:
+        table.add_row(check.name, check.severity, check.asks)
+    return table
+
+
+def explained(check: Check, explanation: "Explanation") -> RenderableType:
+    """Return what a check asks, why, where it happened and how to mend it, ready to print."""
+    head = Text.assemble((check.name, "bold"), f"  {check.severity}")
+    case = explanation.case or "none that is public and known to us"
+    source = [Text(explanation.source, style="dim")] if explanation.source else []
+    parts = {"asks": check.asks, "why": explanation.why, "mend": explanation.mend, "a real case": case}
+    said = [part for name, text in parts.items() for part in (Text(), Text(name, style="bold"), Text(text.strip()))]
+    return Group(head, *said, *source)
 
 
 def beliefs_report(beliefs: "Beliefs", title: str) -> RenderableType:

@@ -9,8 +9,6 @@ import contextlib
 import importlib.metadata
 import os
 import platform
-import shutil
-import tempfile
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -19,10 +17,11 @@ from typing import Any
 import numpy as np
 
 from z2r.arrays import Progress, no_progress
-from z2r.errors import MissingExtraError
+from z2r.errors import DatasetError, Fault, MissingExtraError
 from z2r.format.schema import ACTION, STATE
+from z2r.format.store import folder_for
 from z2r.pusht.task import ACTION_LIMIT, ACTION_NAMES, CONTROL_HZ, DEMO_NOISE, MAX_STEPS, STATE_NAMES, TASK
-from z2r.reading.verdict import Recording, Verdict, write_verdict
+from z2r.reading.verdict import Recording, Verdict, read_verdict, verdict_path, write_verdict
 
 _STACK = ("z2r", "mujoco", "lerobot", "numpy")
 
@@ -33,6 +32,8 @@ def record(
     noise: float = DEMO_NOISE,
     max_steps: int = MAX_STEPS,
     progress: Progress = no_progress,
+    *,
+    replace: bool = False,
 ) -> Recording:
     """Record one episode for each seed as a LeRobot v3 dataset, and the simulator's verdict beside it.
 
@@ -51,21 +52,24 @@ def record(
         Control steps after which an episode times out, >= 1.
     progress : callable, optional
         Called with the number of episodes done and the number of all, after each episode.
+    replace : bool, optional
+        Take the place of an earlier recording, once this one is whole.
 
     Raises
     ------
     FileExistsError
         If `out` exists.
+    DatasetError
+        If `out` cannot be written; or with `replace`, if it is there and no recording with a verdict beside it.
     MissingExtraError
         If mujoco or lerobot is not installed.
     """
-    out = Path(out)
+    out = Path(out).resolve()
     if out.exists():
-        raise FileExistsError(f"{out} exists: name a folder that does not, or remove it first")
+        _check_may_go(out, replace=replace)
     env, expert, create_dataset = _load_extras(max_steps)
-    out.parent.mkdir(parents=True, exist_ok=True)
-    with _whole_or_nothing(out) as folder, _no_progress_bars():
-        dataset = create_dataset(folder)
+    with folder_for(out, verdict_path(out)) as folder, _no_progress_bars():
+        dataset = create_dataset(folder / out.name)
         verdicts = []
         try:
             for seed in seeds:
@@ -74,7 +78,7 @@ def record(
         finally:
             dataset.finalize()  # in any case: LeRobot would do it later, and write into a folder that is gone
         recording = Recording(_command(out, seeds, noise, max_steps), _stack(), verdicts)
-        write_verdict(out, recording)
+        write_verdict(folder / out.name, recording)
     return recording
 
 
@@ -108,15 +112,12 @@ def record_episode(dataset: Any, env: Any, expert: Any, seed: int, noise: float)
     return Verdict(env.steps, env.success, seed, details)
 
 
-@contextlib.contextmanager
-def _whole_or_nothing(out: Path) -> Iterator[Path]:
-    """Lend a folder that becomes `out` at the end, or goes."""
-    scratch = Path(tempfile.mkdtemp(prefix=f".{out.name}.", suffix=".recording", dir=out.parent))
-    try:
-        yield scratch / out.name
-        (scratch / out.name).rename(out)
-    finally:
-        shutil.rmtree(scratch)
+def _check_may_go(out: Path, *, replace: bool) -> None:
+    if not replace:
+        raise FileExistsError(f"{out} exists: name a folder that does not, or remove it first")
+    if read_verdict(out) is None:
+        expected = f"nothing, or a recording with {verdict_path(out).name} beside it, which is replaced"
+        raise DatasetError(Fault(out, "", "something else", expected, "Move it away, or name another --out"))
 
 
 @contextlib.contextmanager
