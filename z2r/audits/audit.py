@@ -17,7 +17,20 @@ import numpy as np
 from msgspec.structs import replace
 
 from z2r.arrays import Ints, Progress, no_progress
-from z2r.audits import cameras, index, joints, labels, motion, pictures, readiness, stats, structure, tasks, values
+from z2r.audits import (
+    cameras,
+    index,
+    joints,
+    labels,
+    motion,
+    pictures,
+    readiness,
+    scales,
+    stats,
+    structure,
+    tasks,
+    values,
+)
 from z2r.audits.claims import Claims, NoSchema, Stored, claims_under, read_claims
 from z2r.audits.findings import AUDIT, Finding, ask, failed
 from z2r.audits.following import MIN_FRAMES, Pair, fold_following, join_following, pairs_of
@@ -49,7 +62,7 @@ NOTHING_AUDITED = 3
 
 MAX_OF_A_CHECK = 5  # findings in detail: a fault that is in every file would hide the others
 
-PARTS = parts_in(structure, index, tasks, values, joints, motion, stats, labels, readiness, cameras, pictures)
+PARTS = parts_in(structure, index, tasks, values, joints, scales, motion, stats, labels, readiness, cameras, pictures)
 """What every dataset is asked, in the order in which findings come."""
 
 

@@ -111,6 +111,11 @@ class FileFrames:
         numbers = np.arange(len(starts)) if number is None else number[starts]
         return EpisodeIndex(self.claims.base + starts, self.claims.base + stops, numbers)
 
+    def episodes_at(self, rows: Ints) -> Ints:
+        """Return the episode of each of these rows: as the frames say, or by its place in the file."""
+        number = self.counts.get("episode_index")
+        return np.arange(len(rows)) if number is None else number[rows]
+
     def episodes_in(self, rows: Bools) -> tuple[int, ...]:
         """List the episodes of some of the rows; none where the frames do not say which one they are of."""
         return episodes_in(self.read.frames, rows)

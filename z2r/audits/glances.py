@@ -86,6 +86,8 @@ class Glance(NamedTuple):
     near, far : ndarray, float64[n_pairs], float64[n - 1]
         How far the pictures of some of these frames are from that of the next frame, and all from the next of these: on
         average, all made as bright.
+    colour : ndarray, float64[3]
+        Red, green and blue on average, from 0 to 1.
     cells : ndarray, float16[n, 48]
         How bright each of 6 x 8 parts of them is, where the whole is 128: so that no exposure matters.
     view : ndarray, uint8[12, 16, 3]
@@ -101,6 +103,7 @@ class Glance(NamedTuple):
     near: Floats
     far: Floats
     prints: NDArray[np.uint8]
+    colour: Floats
     cells: NDArray[np.float16]
     view: NDArray[np.uint8]
 
@@ -247,6 +250,7 @@ def _glance(frame: Floats, numbers: Ints, pictures: Mapping[int, Small]) -> Glan
         peak=apart.max(axis=(1, 2)).astype(np.float64),
         near=np.abs(bright_next - bright[pairs]).mean(axis=(1, 2)).astype(np.float64),
         far=np.abs(np.diff(bright, axis=0)).mean(axis=(1, 2)).astype(np.float64),
+        colour=colours.mean(axis=(0, 1, 2), dtype=np.float64) / 255,
         prints=prints.mean(axis=(2, 4)).round().astype(np.uint8),
         cells=bright.reshape(n, height // 8, 8, width // 8, 8).mean(axis=(2, 4)).reshape(n, -1).astype(np.float16),
         view=np.median(quarters, axis=0).round().astype(np.uint8),

@@ -82,6 +82,8 @@ class Look(NamedTuple):
         How well pictures usually go with the robot: a correlation; nan where too little of it is seen to say it.
     late : float
         By how much all of them are late [s].
+    colour : ndarray, float64[3]
+        Red, green and blue on average over all that was seen, from 0 to 1.
     unlike : sequence of Unlike
         Which episodes look otherwise than the others; nobody knows where no picture is decoded.
     """
@@ -101,6 +103,7 @@ class Look(NamedTuple):
     mend: str
     fits: float = np.nan
     late: float = 0.0
+    colour: Floats = np.full(3, np.nan)
     unlike: Sequence[Unlike] = ()
 
 
@@ -113,8 +116,9 @@ class Twin(NamedTuple):
 
 
 class Looks(NamedTuple):
-    """What the pictures of all cameras look like; what cannot be decoded, and what nobody looked at."""
+    """What is claimed, what the pictures of all cameras look like; what cannot be decoded, and what nobody looked at."""
 
+    claims: Claims
     cameras: Sequence[Look]
     twins: Sequence[Twin]
     faults: Sequence[Fault]
@@ -136,7 +140,7 @@ def looks_of_sizes(filmed: Filmed) -> Looks:
     ]
     names = [camera.name for camera in cameras_of(runs.claims.schema)]
     unseen = f"what {some(names)} show: no picture was decoded, and sizes only hint at it (--pictures decodes)"
-    return Looks([*of_videos, *of_images.values()], twins, (), [unseen])
+    return Looks(runs.claims, [*of_videos, *of_images.values()], twins, (), [unseen])
 
 
 def looks_of_glances(filmed: Filmed, glances: Glances) -> Looks:
@@ -158,7 +162,9 @@ def looks_of_glances(filmed: Filmed, glances: Glances) -> Looks:
         for (camera, look), seen in zip(looks.items(), glances.cameras.values(), strict=True)
     }
     n_episodes = len(runs.claims.stored.episodes.value.table.number)
-    return Looks(list(looks.values()), twins, glances.faults, [*_unseen(glances, n_episodes), *_unfit(looks)])
+    return Looks(
+        runs.claims, list(looks.values()), twins, glances.faults, [*_unseen(glances, n_episodes), *_unfit(looks)]
+    )
 
 
 def _place(claims: Claims, camera: str) -> Path:
@@ -237,6 +243,7 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths:
         slow=Suspects(slow, lambda row: f"the picture of before again for {again[row]:.0%} of the robot's way"),
         astray=_nobody(moves),
         mend="",
+        colour=np.mean([glance.colour for glance in seen.values()] or [np.full(3, np.nan)], axis=0),
     )
 
 

@@ -3,14 +3,19 @@
 from collections.abc import Iterator
 from functools import partial
 
+import numpy as np
+
 from z2r.audits.cameras import CAMERA_FORMAT, CAMERA_TWIN
 from z2r.audits.looks import Look, Looks, Suspects
+from z2r.audits.stats import STATS, numbers
 from z2r.audits.structure import VIDEO_FILE
 from z2r.check import Answer, Check
 from z2r.errors import Fault
 from z2r.format.rules import and_more, episodes_of
+from z2r.format.tables import STATS_PATH
 from z2r.reading.stored import episodes_named
 
+_OTHER_COLOUR = 0.1  # of white: some of the pictures may be that far from all of them
 _LATE = 0.25  # s: most cameras are late by less
 
 
@@ -92,6 +97,20 @@ def no_two_cameras_show_the_same(looks: Looks) -> Iterator[Answer]:
         found = partial("the same pictures as {}".format, twin.other.camera)
         same = Suspects(twin.same & ~twin.look.flat.wrong, found)
         yield from _looks_wrong(twin.look, same, "pictures of its own")
+
+
+@STATS.of(Looks)
+def pictures_have_the_stored_colour(looks: Looks) -> Iterator[Answer]:
+    """Are the statistics of each camera those of its pictures? Those of some of them are near, those of another not."""
+    for look in looks.cameras:
+        stored = numbers((looks.claims.stored.stats.value or {}).get(look.camera, {}).get("mean"))
+        if stored is None or stored.shape != look.colour.shape or not stored.max() <= 1:
+            continue
+        off = np.abs(stored - look.colour)
+        if off.max() > _OTHER_COLOUR:
+            found, seen = (" ".join(f"{each:.2f}" for each in colour) for colour in (stored, look.colour))
+            mend = "Are these of another camera? A policy scales its pictures by them"
+            yield Fault(STATS_PATH, f"{look.camera}.mean", found, f"about {seen}, as decoded", mend)
 
 
 @Check("camera-motion", "pictures show where the robot is, not where it was or will be", "warning").of(Looks)

@@ -69,9 +69,9 @@ def stats_of_cameras(runs: Runs) -> Iterator[Answer]:
     stored = runs.claims.stored.stats.value or {}
     for camera in cameras_of(runs.claims.schema):
         for kind in ("mean", "std", "max"):
-            numbers = _numbers(stored.get(camera.name, {}).get(kind))
-            if numbers is not None and numbers.size and numbers.max() > _WHITE:
-                found, expected = f"{numbers.max():.4g}", "at most 1, as LeRobot decodes pictures"
+            said = numbers(stored.get(camera.name, {}).get(kind))
+            if said is not None and said.size and said.max() > _WHITE:
+                found, expected = f"{said.max():.4g}", "at most 1, as LeRobot decodes pictures"
                 mend = "From 0 to 255? Divide them by 255, or a policy sees one dark grey"
                 yield Fault(STATS_PATH, f"{camera.name}.{kind}", found, expected, mend)
                 break
@@ -185,7 +185,7 @@ def _differences(
             yield far[column], not beyond[column], Fault(STATS_PATH, place, number, expected, effect)
 
 
-def _numbers(stored: object) -> Floats | None:
+def numbers(stored: object) -> Floats | None:
     """Return the numbers that are stored, in one row; None where something else is."""
     try:
         return np.asarray(stored, dtype=np.float64).ravel()
@@ -197,10 +197,10 @@ def _numbers_or_what(stored: object, size: int) -> Floats | str:
     """Return so many numbers that are stored, or what is there in their place."""
     if stored is None:
         return "nothing"
-    numbers = _numbers(stored)
-    if numbers is None:
+    found = numbers(stored)
+    if found is None:
         return "something else"
-    return numbers if numbers.size == size else f"{numbers.size} numbers"
+    return found if found.size == size else f"{found.size} numbers"
 
 
 @np.errstate(all="ignore")  # what is stored may be any number

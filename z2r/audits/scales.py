@@ -1,0 +1,121 @@
+"""Is a column in one unit throughout? Held against the other episodes, and a velocity against what moves."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from z2r.arrays import Bools, Floats, Ints
+from z2r.audits.frames import FileFrames
+from z2r.audits.joints import UNIT
+from z2r.audits.runs import Runs
+from z2r.check import Answer, Check
+from z2r.errors import Fault
+from z2r.format.episodes import DATA_DIR
+from z2r.format.rules import and_more
+from z2r.format.schema import ACTION, STATE, column_label
+from z2r.reading.stored import episodes_named
+
+_FACTORS = {100.0: "percent and parts of 1", 180 / np.pi: "degrees and radians", 1000.0: "mm and m"}
+_OFF = 0.35  # of such a factor: episodes differ in how far a column goes
+_MIN_EPISODES = 4
+
+_VELOCITY = "observation.velocity"
+_MIN_FRAMES = 20
+_SMOOTHED = 5  # frames
+_FOLLOWS, _FOLLOWS_NOT = 0.8, 0.4  # correlation of a velocity with how fast a column moves
+_SAME_RATE = 1.5  # times too fast or too slow: a filter or a delay may be behind less
+
+
+@UNIT.of(Runs)
+def episodes_have_one_unit(runs: Runs) -> Iterator[Answer]:
+    """Does a column go, in some episodes, through a known part of the range that it goes through in all the others?"""
+    if len(runs.number) < _MIN_EPISODES:
+        return
+    for name in (each for each in (STATE, ACTION) if each in runs.steps and each in runs.stats):
+        span, path = runs.stats[name].high - runs.stats[name].low, runs.steps[name].path
+        for column in range(span.shape[1]):
+            small, factor = _in_a_smaller_unit(span[:, column], path[:, column])
+            if small.any():
+                number = runs.number[small].tolist()
+                place = f"{column_label(name, runs.claims.schema.features[name], column)} in {episodes_named(number)}"
+                found = f"a range of {np.median(span[small, column]):.3g}"
+                usual = np.median(span[~small, column])
+                expected = f"about {usual:.3g}, {factor:.4g} times as much, as in the others"
+                mend = f"Are these {_FACTORS[factor]}? Multiply or divide one of the two"
+                yield Fault(DATA_DIR, place, found, expected, mend, tuple(dict.fromkeys(number)))
+
+
+def _in_a_smaller_unit(span: Floats, path: Floats) -> tuple[Bools, float]:
+    """Find the episodes in which both are smaller by one of the factors, if all others are alike.
+
+    Examples
+    --------
+    >>> small, factor = _in_a_smaller_unit(np.array([90.0, 0.95, 80, 99, 85]), np.array([300.0, 3, 280, 350, 310]))
+    >>> small.nonzero()[0].tolist(), factor
+    ([1], 100.0)
+    """
+    for factor in _FACTORS:
+        large = span > span.max() / np.sqrt(factor)
+        usual_span, usual_path = np.median(span[large]), np.median(path[large])
+        off = np.stack([span * factor / usual_span, path * factor / usual_path]) if usual_path > 0 else np.zeros((2, 1))
+        fits = (np.abs(off - 1) <= _OFF).all(axis=0)
+        if not large.all() and fits.any() and (large | fits).all():
+            return ~large, factor
+    return np.zeros(len(span), dtype=bool), 0.0
+
+
+@Check("velocity", "a velocity says how fast the column of its name moves, in its unit", "warning").of(FileFrames)
+def velocities_are_those_of_their_columns(frames: FileFrames) -> Iterator[Answer]:
+    """Is `observation.velocity` how fast the columns of the state move that have the same names?"""
+    columns, features = frames.read.frames, frames.schema.features
+    if STATE not in columns or _VELOCITY not in columns:
+        return
+    states = features[STATE].dim_names
+    starts = frames.run_starts
+    stops = np.append(starts[1:], len(columns[STATE]))
+    long = stops - starts >= _MIN_FRAMES
+    runs = list(zip(starts[long].tolist(), stops[long].tolist(), strict=True))
+    motion = [
+        _smoothed(np.gradient(columns[STATE][a:b].astype(np.float64), axis=0)) * frames.schema.fps for a, b in runs
+    ]
+    for dim, name in enumerate(features[_VELOCITY].dim_names):
+        if name in states and runs:
+            said = [_smoothed(columns[_VELOCITY][a:b, dim : dim + 1].astype(np.float64)) for a, b in runs]
+            rates = [_rate(velocity, moves) for velocity, moves in zip(said, motion, strict=True)]
+            fits, factor = (np.array(each) for each in zip(*rates, strict=True))  # (n_runs, size)
+            yield from _of_rates(frames, dim, states.index(name), fits, factor, starts[long])
+
+
+def _of_rates(frames: FileFrames, dim: int, column: int, fits: Floats, factor: Floats, starts: Ints) -> Iterator[Fault]:
+    own, other = fits[:, column], np.delete(fits, column, axis=1).max(axis=1, initial=-1)
+    exchanged = (own < _FOLLOWS_NOT) & (other >= _FOLLOWS)
+    scaled = (own >= _FOLLOWS) & (np.abs(np.log(np.maximum(np.abs(factor[:, column]), 1e-9))) > np.log(_SAME_RATE))
+    features, numbers = frames.schema.features, frames.episodes_at(starts)
+    label = column_label(_VELOCITY, features[_VELOCITY], dim)
+    for wrong in (exchanged, scaled):
+        if wrong.any():
+            run = int(wrong.argmax())
+            as_fast = column_label(STATE, features[STATE], int(fits[run].argmax()))
+            found = f"{factor[run, int(fits[run].argmax())]:.3g} where {as_fast} moves by 1 a second{and_more(wrong)}"
+            expected = f"1 where {column_label(STATE, features[STATE], column)} does"
+            mend = "Are columns exchanged, or is it in degrees where the state is in radians?"
+            yield Fault(
+                frames.path, f"{label} in episode {numbers[run]}", found, expected, mend, tuple(numbers[wrong].tolist())
+            )
+
+
+def _smoothed(values: Floats) -> Floats:
+    """Average each row (n, size) with those around it: a difference is mostly noise."""
+    whole = np.cumsum(np.concatenate([np.zeros((1, values.shape[1])), values]), axis=0)
+    smoothed: Floats = (whole[_SMOOTHED:] - whole[:-_SMOOTHED]) / _SMOOTHED
+    return smoothed
+
+
+def _rate(velocity: Floats, moves: Floats) -> tuple[Floats, Floats]:
+    """Return how a velocity (n, 1) goes with the motion of each column (n, size): correlations, and factors."""
+    velocity, moves = velocity - velocity.mean(), moves - moves.mean(axis=0)
+    both, of_moves = (velocity * moves).sum(axis=0), np.square(moves).sum(axis=0)
+    sizes = np.sqrt(of_moves * np.square(velocity).sum())
+    fits = np.divide(both, sizes, out=np.zeros_like(both), where=sizes > 0)
+    factor = np.divide(both, of_moves, out=np.zeros_like(both), where=of_moves > 0)
+    return fits, factor
