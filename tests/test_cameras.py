@@ -1,6 +1,7 @@
 """Do the pictures belong to the frames? Indices of videos against FFmpeg, and every fault of a camera is named."""
 
 import itertools
+import json
 import multiprocessing
 import os
 import random
@@ -852,6 +853,24 @@ def test_two_cameras_that_are_exchanged_in_an_episode_are_named(root):
     assert [(each.check, each.severity, each.episodes) for each in found] == 2 * [("camera-unlike", "warning", (3,))]
     for finding, (camera, other) in zip(found, (CAMERAS, CAMERAS[::-1]), strict=True):
         assert f"{camera} in episode 3: found pictures like those of {other}" in str(finding)
+
+
+def test_statistics_of_another_camera_are_named_where_pictures_are_decoded(root):
+    path = root / "meta" / "stats.json"
+    stats = json.loads(path.read_text())
+    for camera, colour in ((FRONT, (0.5, 0.5, 0.5)), (SIDE, (0.2, 0.8, 0.4))):
+        stats[camera] = {"mean": [[[each]] for each in colour], "std": [[[0.2]]] * 3}
+    path.write_text(json.dumps(stats))
+    [finding] = [each for each in z2r.audit(root, pictures=True).findings if each.check == "stats"]
+    assert (finding.field, finding.found) == (f"{SIDE}.mean", "0.20 0.80 0.40")
+    assert not [each for each in z2r.audit(root).findings if each.check == "stats"]
+
+
+def test_statistics_from_0_to_255_are_named(root):
+    path = root / "meta" / "stats.json"
+    path.write_text(json.dumps(json.loads(path.read_text()) | {FRONT: {"mean": [[[120.0]]] * 3}}))
+    [finding] = [each for each in z2r.audit(root).findings if each.check == "stats"]
+    assert (finding.field, finding.found) == (f"{FRONT}.mean", "120")
 
 
 def test_nothing_is_said_of_what_lies_elsewhere_nor_of_daylight(root):

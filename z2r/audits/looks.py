@@ -116,7 +116,7 @@ class Twin(NamedTuple):
 
 
 class Looks(NamedTuple):
-    """What is claimed, what the pictures of all cameras look like; what cannot be decoded, and what nobody looked at."""
+    """What is claimed; what the pictures of all cameras look like; what cannot be decoded, and what nobody saw."""
 
     claims: Claims
     cameras: Sequence[Look]

@@ -159,7 +159,8 @@ def no_episode_is_noisier(runs: Runs) -> Iterator[Answer]:
             expected = f"about {usual[column]:.3g}, as in the other episodes"
             mend = "Is a cable loose, or was something touched? Look at it before you train on it"
             place = f"{_dim(runs, name, column)} in {_named(runs, wrong.any(axis=1))}"
-            yield _fault(runs, place, wrong, found, expected, mend)
+            fault = _fault(runs, place, wrong, found, expected, mend)
+            yield ("note", fault) if name == ACTION else fault  # another hand may well tremble more
 
 
 @Check("repeat", "every frame is a new measurement", "warning").of(Runs)

@@ -22,7 +22,7 @@ _MIN_EPISODES = 4
 _VELOCITY = "observation.velocity"
 _MIN_FRAMES = 20
 _SMOOTHED = 5  # frames
-_FOLLOWS, _FOLLOWS_NOT = 0.8, 0.4  # correlation of a velocity with how fast a column moves
+_FOLLOWS, _BETTER = 0.8, 0.1  # correlation of a velocity with how fast a column moves, and more than with its own
 _SAME_RATE = 1.5  # times too fast or too slow: a filter or a delay may be behind less
 
 
@@ -54,10 +54,10 @@ def _in_a_smaller_unit(span: Floats, path: Floats) -> tuple[Bools, float]:
     >>> small.nonzero()[0].tolist(), factor
     ([1], 100.0)
     """
-    for factor in _FACTORS:
+    for factor in _FACTORS if path.all() else ():
         large = span > span.max() / np.sqrt(factor)
         usual_span, usual_path = np.median(span[large]), np.median(path[large])
-        off = np.stack([span * factor / usual_span, path * factor / usual_path]) if usual_path > 0 else np.zeros((2, 1))
+        off = np.stack([span * factor / usual_span, path * factor / usual_path])
         fits = (np.abs(off - 1) <= _OFF).all(axis=0)
         if not large.all() and fits.any() and (large | fits).all():
             return ~large, factor
@@ -88,8 +88,12 @@ def velocities_are_those_of_their_columns(frames: FileFrames) -> Iterator[Answer
 
 def _of_rates(frames: FileFrames, dim: int, column: int, fits: Floats, factor: Floats, starts: Ints) -> Iterator[Fault]:
     own, other = fits[:, column], np.delete(fits, column, axis=1).max(axis=1, initial=-1)
-    exchanged = (own < _FOLLOWS_NOT) & (other >= _FOLLOWS)
-    scaled = (own >= _FOLLOWS) & (np.abs(np.log(np.maximum(np.abs(factor[:, column]), 1e-9))) > np.log(_SAME_RATE))
+    exchanged = (other >= _FOLLOWS) & (other - own >= _BETTER)
+    scaled = (
+        ~exchanged
+        & (own >= _FOLLOWS)
+        & (np.abs(np.log(np.maximum(np.abs(factor[:, column]), 1e-9))) > np.log(_SAME_RATE))
+    )
     features, numbers = frames.schema.features, frames.episodes_at(starts)
     label = column_label(_VELOCITY, features[_VELOCITY], dim)
     for wrong in (exchanged, scaled):
