@@ -381,9 +381,12 @@ def _motion_not_checked(claims: Claims, sums: Sequence[FileSums]) -> Iterator[st
         yield "whether joints follow their commands: neither names nor a reading say which column a command drives"
     lags = [part.following.lag for part in sums if part.following]
     if lags:
-        unknown = np.atleast_1d(np.isnan(np.concatenate(lags)).all(axis=0))
+        lag = np.concatenate(lags)
+        unknown = np.atleast_1d(np.isnan(lag).all(axis=0))
         if names := [pair.command for pair, lost in zip(pairs, unknown.tolist(), strict=True) if lost]:
             yield f"whether {some(names)} is followed: no motion tells"
+        if not unknown.all() and (usual := float(np.nanmedian(lag))) >= 1:
+            yield f"whether commands are late by less than the {usual:.0f} frames that joints are behind them"
     if short := int((claims.table.length < MIN_FRAMES).sum()):
         yield f"how the robot moves in {count(short, 'episode')} of fewer than {MIN_FRAMES} frames"
     if len(claims.table.number) > motion.MAX_COMPARED:
