@@ -128,21 +128,22 @@ def fit(takes: Mapping[int, Take]) -> Fit:
         return Fit(np.nan, {})
     learned, chosen = _learn(takes)
     curves = learned.curves
-    typical = float(np.median([curve.max() for curve in curves.values()]))
     usual, share = _usual_delay(curves)
+    agree = [curve.max() for curve in curves.values() if abs(_DELAYS[curve.argmax()] - _DELAYS[usual]) <= _OF_ONE]
+    typical = float(np.median(agree))
     for by, neighbour in _NEIGHBOURS.items():
         fits = _fits_of_neighbours(learned, chosen, by)
         if fits >= max(_FITS, typical + _GAIN):
             said = f"{{}}; {fits:.2f} is usual with that {neighbour}"
             return Fit(fits, {number: said.format(_said(curve, _NONE)) for number, curve in curves.items()})
-    if not typical >= _FITS:
+    if not typical >= _FITS or share[usual] < _MANY:
         return Fit(np.nan, {})
     if not -_EARLY <= _DELAYS[usual] <= _LATE:
         gains = [curve[usual] - curve[np.abs(_DELAYS) <= _NEAR].max() for curve in curves.values()]
         if np.mean(np.array(gains) > 0) < _MOST:
             return Fit(np.nan, {})
         return Fit(typical, {number: _late(curve, _NONE, usual) for number, curve in curves.items()})
-    spread = 1.4826 * float(np.median([abs(curve.max() - typical) for curve in curves.values()]))
+    spread = 1.4826 * float(np.median([abs(each - typical) for each in agree]))
     odd = {number: _odd(learned, number, usual, share, typical, spread) for number in takes}
     return Fit(typical, {number: found for number, found in odd.items() if found}, float(_DELAYS[usual]))
 
@@ -361,5 +362,5 @@ def _usual_delay(curves: Mapping[int, Floats]) -> tuple[int, Floats]:
     """Return the delay that many episodes have, of two the smaller one; and how many have about each, (n_delays,)."""
     best = np.array([curve.argmax() for curve in curves.values()])
     share: Floats = (np.abs(_DELAYS[best][:, None] - _DELAYS) <= _OF_ONE).mean(axis=0)
-    usual = share >= min(_MANY, share.max())
-    return int(np.where(usual, np.abs(_DELAYS) - share / len(_DELAYS), np.inf).argmin()), share
+    least = int(np.where(share >= min(_MANY, share.max()), np.abs(_DELAYS) - share / len(_DELAYS), np.inf).argmin())
+    return int(np.median(best[np.abs(_DELAYS[best] - _DELAYS[least]) <= _OF_ONE])), share
