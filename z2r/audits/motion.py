@@ -36,6 +36,7 @@ _SOME_REPEATED, _FEW_REPEATED = 0.04, 0.01  # of the frames, where the other epi
 _IDLE = 0.05  # of the usual motion
 _HOMES = 8  # episodes, from which one can be told to begin elsewhere
 _HOMES_APART = 6  # times as far as the episodes of one place are from each other
+_ONE_APART = 1.2  # times as far, of one episode: of twelve that begin anywhere, one does so once in some hundred times
 _FAR_HOME = 0.08  # of a column's range
 _AWAY = 4  # steps: what gets there in fewer is a velocity, and may begin anywhere
 _FEW = 0.2  # of the episodes
@@ -214,8 +215,9 @@ def episodes_begin_at_one_place(runs: Runs) -> Iterator[Answer]:
         groups = (order[:cut], order[cut:])
         few = min(groups, key=len)
         spread = max(float(np.ptp(first[group, column])) for group in groups)
-        far = max(_HOMES_APART * spread, _FAR_HOME * ranges[column], _AWAY * step[column])
-        if gaps[cut - 1] < far:
+        gap, least = gaps[cut - 1], max(_FAR_HOME * ranges[column], _AWAY * step[column])
+        surely = gap >= max(_HOMES_APART * spread, least)
+        if not surely and (len(few) > 1 or gap < max(_ONE_APART * spread, least)):
             continue
         wrong = np.zeros(len(runs.number), dtype=bool)
         wrong[few] = True
@@ -227,7 +229,7 @@ def episodes_begin_at_one_place(runs: Runs) -> Iterator[Answer]:
         fault = _fault(
             runs, place, wrong, f"a first frame at {here:.3g}", f"one at about {there:.3g}, as in the others", mend
         )
-        yield fault if len(few) <= _FEW * len(runs.number) else ("note", fault)
+        yield fault if surely and len(few) <= _FEW * len(runs.number) else ("note", fault)
 
 
 @Check("limits", "a column stays within the limits that a reading declares", "warning").of(Runs)
