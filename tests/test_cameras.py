@@ -1089,6 +1089,5 @@ def test_the_command_says_what_it_needs_to_decode(filmed, monkeypatch, capsys):
 
 def test_every_check_of_a_camera_is_made_to_fail():
     named = {check for fault in (*FAULTS.values(), *IMAGE_FAULTS.values()) for check in fault.checks.split()}
-    assert named | {check for _, check, *_ in SEEN.values()} >= {
-        part.check.name for part in parts_in(cameras, pictures)
-    }
+    of_cameras = {part.check.name for part in parts_in(cameras, pictures)} - {"stats"}  # which has a test of its own
+    assert named | {check for _, check, *_ in SEEN.values()} >= of_cameras

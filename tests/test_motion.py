@@ -21,7 +21,6 @@ from z2r.reading.reading import ColumnMeaning
 SILENT: dict[str, set[str]] = {
     "state-at-half-rate": {"place"},
     "jitter": {"all"},
-    "gripper-0-to-1-both": {"half", "one"},
     "whole-numbers": {"all", "one"},
     "gripper-metres": {"one"},
     "grippers-exchanged": {"all"},

@@ -385,7 +385,7 @@ def _motion_not_checked(claims: Claims, sums: Sequence[FileSums]) -> Iterator[st
         unknown = np.atleast_1d(np.isnan(lag).all(axis=0))
         if names := [pair.command for pair, lost in zip(pairs, unknown.tolist(), strict=True) if lost]:
             yield f"whether {some(names)} is followed: no motion tells"
-        if not unknown.all() and (usual := float(np.nanmedian(lag))) >= 1:
+        if not unknown.all() and (usual := float(np.nanmedian(lag))) >= 2:
             yield f"whether commands are late by less than the {usual:.0f} frames that joints are behind them"
     if short := int((claims.table.length < MIN_FRAMES).sum()):
         yield f"how the robot moves in {count(short, 'episode')} of fewer than {MIN_FRAMES} frames"
