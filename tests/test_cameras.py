@@ -806,31 +806,31 @@ SEEN = {
         only(exchanged, 0, 4),
         "camera-motion",
         "warning",
-        r"in episode 0: found a correlation of -?0.[0-4].* of 0.[6-9].* with that in episode 4 \(and 1 more",
+        r"in episode 0: found the pictures of episode 4: a correlation of 0.[6-9].*, and of -?0.[0-4].* \(and 1 more",
     ),
     "another episode": (
         only(stranger, 3),
         "camera-motion",
         "warning",
-        "in episode 3: found a correlation of 0.1. with where the robot is, expected",
+        "in episode 3: found pictures of something else: a correlation of 0.[12]",
     ),
     "pictures 1.5 s late": (
         only(late(15), 3),
         "camera-motion",
         "warning",
-        r"in episode 3: .* with where it was 1.5 s before",
+        "in episode 3: found pictures 1.5 s later than those",
     ),
     "pictures 1.5 s early": (
         only(late(-15), 3),
         "camera-motion",
         "warning",
-        r"in episode 3: .* with where it is 1.5 s later",
+        "in episode 3: found pictures 1.5 s earlier than those",
     ),
     "all pictures 1.5 s late": (
         late(15),
         "camera-motion",
         "warning",
-        r"in episode 0: .* with where it was 1.[45] s before \(and 7 more",
+        r"in episode 0: found pictures that are 1.[45] s late: .* \(and 7 more",
     ),
 }
 
@@ -929,7 +929,7 @@ def test_of_a_camera_that_is_four_tenths_of_a_second_late_it_is_only_said(root):
     shoot(root, SIDE, late(4))
     [finding] = of_cameras(z2r.audit(root, pictures=True))
     assert (finding.check, finding.severity, finding.field) == ("camera-motion", "note", SIDE)
-    assert re.search("where the robot was 0.[34] s before, in all episodes", finding.found)
+    assert re.search("of where the robot was 0.[34] s before, in all episodes", finding.found)
 
 
 def test_nothing_is_said_of_two_cameras_over_the_same_table(root):

@@ -119,7 +119,7 @@ def camera_motion(looks: Looks) -> Iterator[Answer]:
     for look in looks.cameras:
         yield from _looks_wrong(look, look.astray, "pictures that show where the robot is")
         if look.late >= _LATE:
-            found = f"pictures that go best with where the robot was {look.late:g} s before, in all episodes"
+            found = f"pictures of where the robot was {look.late:g} s before, in all episodes"
             mend = "A policy learns with old pictures: is the camera as late where it shall act?"
             yield "note", Fault(look.place, look.camera, found, "pictures that show where the robot is", mend)
 

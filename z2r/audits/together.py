@@ -34,7 +34,7 @@ _MANY, _AGREE = 0.3, 0.6  # of the episodes: what so many have is usual; and wha
 _SAME = 0.2  # of how far pictures are from their mean: what is left of those that are the same
 _LESS, _BETTER, _AS_WELL = 0.2, 0.3, 0.15  # of correlation: below what is usual; by so much better; about as well
 _FAR_LESS, _SPREADS = 0.35, 6  # below what is usual, in correlation and in spreads of it: nobody need know why
-_NEIGHBOURS = {1: "in the next episode", -1: "in the episode before"}
+_NEIGHBOURS = {1: "the next episode", -1: "the episode before"}
 
 
 class Take(NamedTuple):
@@ -120,8 +120,8 @@ def fit(takes: Mapping[int, Take]) -> Fit:
     >>> right = {number: Take(seen[number], times, places[number], times) for number in range(6)}
     >>> fit(right).astray
     {}
-    >>> fit(right | {4: Take(seen[4], times + 0.6, places[4], times)}).astray
-    {4: 'a correlation of 0.59 with where the robot is, and of 0.99 with where it was 0.6 s before'}
+    >>> print(fit(right | {4: Take(seen[4], times + 0.6, places[4], times)}).astray[4].split(":")[0])
+    pictures 0.6 s later than those of the others
     """
     takes = {number: take for number, take in takes.items() if len(take.at) >= _MIN_PICTURES}
     if len(takes) < _MIN_EPISODES:
@@ -134,15 +134,15 @@ def fit(takes: Mapping[int, Take]) -> Fit:
     for by, neighbour in _NEIGHBOURS.items():
         fits = _fits_of_neighbours(learned, chosen, by)
         if fits >= max(_FITS, typical + _GAIN):
-            said = f"{{}}; {fits:.2f} is usual with that {neighbour}"
-            return Fit(fits, {number: said.format(_said(curve, _NONE)) for number, curve in curves.items()})
+            usually = f"the pictures of {neighbour}: a correlation of {fits:.2f} with its robot as a rule, and of"
+            return Fit(fits, {number: f"{usually} {curve[_NONE]:.2f} with this" for number, curve in curves.items()})
     if not typical >= _FITS or share[usual] < _MANY:
         return Fit(np.nan, {})
     if not -_EARLY <= _DELAYS[usual] <= _LATE:
         gains = [curve[usual] - curve[np.abs(_DELAYS) <= _NEAR].max() for curve in curves.values()]
         if np.mean(np.array(gains) > 0) < _MOST:
             return Fit(np.nan, {})
-        return Fit(typical, {number: _late(curve, _NONE, usual) for number, curve in curves.items()})
+        return Fit(typical, {number: _all_late(curve, usual) for number, curve in curves.items()})
     spread = 1.4826 * float(np.median([abs(each - typical) for each in agree]))
     odd = {number: _odd(learned, number, usual, share, typical, spread) for number in takes}
     return Fit(typical, {number: found for number, found in odd.items() if found}, float(_DELAYS[usual]))
@@ -154,22 +154,23 @@ def _odd(learned: _Learned, number: int, usual: int, share: Floats, typical: flo
     own, best = _around(curve, usual), int(curve.argmax())
     is_late = curve[best] >= max(_SURELY, own + _GAIN) and abs(_DELAYS[best] - _DELAYS[usual]) > _OF_ONE
     if is_late and share[usual] + share[best] >= _AGREE:  # else each has a delay of its own, and none means anything
-        return _late(curve, usual, best)
+        return _later(curve, usual, best)
     if own >= typical - _LESS:
         return ""
     better, other = max(_fits_of_others(learned, number))
     if better >= max(typical - _AS_WELL, own + _BETTER) and _belong_there(learned, number, other, usual):
-        return f"{_said(curve, usual)}, and of {better:.2f} with that in episode {other}"
+        return (
+            f"the pictures of episode {other}: a correlation of {better:.2f} with its robot, and of {own:.2f} with this"
+        )
     nothing = own < min(_FITS_NOT, typical - max(_FAR_LESS, _SPREADS * spread))
-    return _said(curve, usual) if nothing else ""
+    said = f"a correlation of {own:.2f} with where the robot is, where {typical:.2f} is usual"
+    return f"pictures of something else: {said}" if nothing else ""
 
 
 def _belong_there(learned: _Learned, number: int, other: int, usual: int) -> bool:
     """Tell whether the pictures of two episodes are exchanged, or the same: that they look alike is not enough."""
-    back = float(_curve(_with_places_of(learned, other, number), _weights(learned.sums, other))[0])
-    return back >= _around(learned.curves[other], usual) + _AS_WELL or _same(
-        learned.takes[number], learned.takes[other]
-    )
+    is_exchanged = _fit_of_another(learned, other, number) >= _around(learned.curves[other], usual) + _AS_WELL
+    return is_exchanged or _same(learned.takes[number], learned.takes[other])
 
 
 def _same(one: Take, other: Take) -> bool:
@@ -189,19 +190,17 @@ def _around(curve: Floats, delay: int) -> float:
     return float(curve[max(delay - 1, 0) : delay + 2].max())
 
 
-def _late(curve: Floats, usual: int, best: int) -> str:
-    return f"{_said(curve, usual)}, and of {curve[best]:.2f} with {_where(best, 'it')}"
+def _all_late(curve: Floats, best: int) -> str:
+    seconds = _DELAYS[best]
+    then = "was then" if seconds > 0 else "is then"
+    said = f"a correlation of {curve[best]:.2f} with where the robot {then}, and of {curve[_NONE]:.2f} with where it is"
+    return f"pictures that are {abs(seconds):g} s {'late' if seconds > 0 else 'early'}: {said}"
 
 
-def _said(curve: Floats, delay: int) -> str:
-    return f"a correlation of {curve[delay]:.2f} with {_where(delay, 'the robot')}"
-
-
-def _where(delay: int, robot: str) -> str:
-    seconds = _DELAYS[delay]
-    if seconds > 0:
-        return f"where {robot} was {seconds:g} s before"
-    return f"where {robot} is" + (f" {-seconds:g} s later" if seconds else "")
+def _later(curve: Floats, usual: int, best: int) -> str:
+    by, own = _DELAYS[best] - _DELAYS[usual], _around(curve, usual)
+    said = f"shifted so, a correlation of {curve[best]:.2f} with where the robot is, else of {own:.2f}"
+    return f"pictures {abs(by):.2g} s {'later' if by > 0 else 'earlier'} than those of the others: {said}"
 
 
 def _learn(takes: Mapping[int, Take]) -> tuple[_Learned, list[int]]:
