@@ -22,14 +22,14 @@ from z2r.audits.claims import Claims, NoSchema, Stored, claims_under, read_claim
 from z2r.audits.findings import AUDIT, Finding, ask, failed
 from z2r.audits.following import MIN_FRAMES, Pair, fold_following, join_following, pairs_of
 from z2r.audits.footage import FileImages, Footage, read_file_images, read_footage, sum_images, sum_places
-from z2r.audits.frames import FileClaims, FileFrames, file_claims, run_stats
+from z2r.audits.frames import FileClaims, FileFrames, file_claims
 from z2r.audits.glances import glance_at, join_filmed
 from z2r.audits.joints import Joints
 from z2r.audits.labels import Labels, fold_labels, join_labels
 from z2r.audits.looks import Looks, looks_of_glances, looks_of_sizes
 from z2r.audits.readiness import fold_idle
 from z2r.audits.runs import FileSums, Runs, join_runs
-from z2r.audits.steps import moves, run_steps
+from z2r.audits.steps import moves, run_sums
 from z2r.audits.tasks import fold_tasks
 from z2r.check import SEVERITIES, Check, asked_of, parts_in
 from z2r.errors import DatasetError, count, some
@@ -232,17 +232,19 @@ def _fold_file(
         images = read_file_images(root, frames)
         findings += ask(asked_of(FileImages, PARTS), images)
         number, starts, signals = frames.counts.get("episode_index"), frames.run_starts, frames.signals
+        sums = {name: run_sums(signal, starts, schema.fps) for name, signal in signals.items()}
+        stats = {name: stats for name, (stats, _) in sums.items()}
         return FileSums(
             n_rows=frames.read.n_rows,
             findings=findings,
             starts=starts,
             numbers=None if number is None else number[starts],
-            stats={name: run_stats(signal, starts) for name, signal in signals.items()},
-            steps={name: run_steps(signal, starts, schema.fps) for name, signal in signals.items() if moves(name)},
+            stats=stats,
+            steps={name: steps for name, (_, steps) in sums.items() if moves(name)},
             following=fold_following(pairs, signals, starts),
             labels=fold_labels(frames, reading),
             scene=_fold_scene(scene, frames, reading, findings),
-            idle=fold_idle(frames),
+            idle=fold_idle(frames, stats),
             tasks=fold_tasks(frames),
             images=sum_images(images),
             places=sum_places(frames) if pictures else None,
