@@ -27,6 +27,7 @@ _LITTLE = 0.004  # of the variance: what leaves less unexplained needs no closer
 _SECOND = 24  # frames, about: `_sums_of_a_second` adds up as many
 _MAX_LOOKS = 256  # runs of a file, for each pair
 _ALIKE, _TOO_LITTLE = 1.5, 1e-4  # times as much unexplained, and a share of the variance: these lags fit as well
+_ROUNDING = 1e-12  # of a mean square: a variance that is less is none
 _POOR = 0.9  # explained: below, another column may explain more
 
 _LAGS = ("lag", "least", "most")
@@ -328,11 +329,16 @@ def _explained(asked: Floats, seen: Floats) -> Floats:
     The column is longer than the command by as many frames as there are lags, less one.
     """
     seen, asked, ones = seen - seen.mean(), asked - asked.mean(), np.ones(len(asked))
-    both = np.correlate(seen, asked, "valid")
+    both: Any = np.correlate(seen, asked, "valid")
     sums, squares = np.correlate(seen, ones, "valid"), np.correlate(np.square(seen), ones, "valid")
-    whole = (squares - np.square(sums) / len(asked)) * (asked @ asked)
-    explained: Floats = np.divide(np.square(both), whole, out=np.zeros(len(both)), where=whole > 0).clip(max=1)
-    return explained
+    whole: Floats = (squares - np.square(sums) / len(asked)) * (asked @ asked)
+    return _share(both, whole)
+
+
+def _share(both: Floats, whole: Floats) -> Floats:
+    """Return the share of a variance that is explained: a covariance squared, over both variances."""
+    share: Floats = np.divide(np.square(both), whole, out=np.zeros(len(both)), where=whole > 0).clip(max=1)
+    return share
 
 
 def _fit_runs(asked: Floats, seen: Floats, starts: Ints, stops: Ints, lag: int) -> dict[str, Floats]:
@@ -351,14 +357,16 @@ def _fit_runs(asked: Floats, seen: Floats, starts: Ints, stops: Ints, lag: int) 
         mean: Floats = np.where(first < last, np.add.reduceat(values, ends)[::2], 0.0) / n
         return mean
 
+    def variances(values: Floats, mean: Floats) -> Floats:
+        squares = means(np.square(values))
+        variance = squares - np.square(mean)
+        return np.where(variance > _ROUNDING * squares, variance, 0.0)  # of what stands still, nothing
+
     mean_a, mean_s = means(asked), means(seen)
-    both, var_a = means(asked * seen) - mean_a * mean_s, means(np.square(asked)) - np.square(mean_a)
-    var_s = means(np.square(seen)) - np.square(mean_s)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        explained = np.clip(np.nan_to_num(np.square(both) / (var_a * var_s)), 0, 1)
-        factor = np.where(both == 0, 0.0, var_a / both)
+    var_a, var_s, both = variances(asked, mean_a), variances(seen, mean_s), means(asked * seen) - mean_a * mean_s
+    factor = np.divide(var_a, both, out=np.zeros(len(both)), where=both != 0)
     return {
-        "explained": explained,
+        "explained": _share(both, var_a * var_s),
         "factor": factor,
         "mean_asked": mean_a + centre_a,
         "mean_seen": mean_s + centre_s,
