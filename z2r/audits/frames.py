@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from z2r.arrays import Bools, Columns, Floats, Ints
+from z2r.arrays import Bools, Columns, Floats, Ints, by_column
 from z2r.audits.claims import Claims
 from z2r.format import rules
 from z2r.format.episodes import EpisodeIndex
@@ -88,10 +88,13 @@ class FileFrames:
         values = self.read.frames.get("timestamp")
         return None if values is None else values[:, 0].astype(np.float64)
 
-    @property
+    @cached_property
     def signals(self) -> Columns:
-        """What the robot saw and did. LeRobot does not renew the statistics of the rest when it edits a dataset."""
-        return {name: values for name, values in self.read.frames.items() if name not in BOOKKEEPING}
+        """What the robot saw and did, each column in one piece, as it will be read again and again.
+
+        LeRobot does not renew the statistics of the rest when it edits a dataset.
+        """
+        return {name: by_column(values) for name, values in self.read.frames.items() if name not in BOOKKEEPING}
 
     @cached_property
     def run_starts(self) -> Ints:

@@ -9,7 +9,7 @@ from z2r.arrays import Array, Bools, Floats, Ints
 from z2r.audits.frames import RunStats
 from z2r.format.schema import ACTION
 
-_STILL = 6  # frames: a shorter rest tells nothing
+_STILL = 6  # frames: a shorter rest tells nothing (`_stalls` looks for as many)
 _AFTER = 5  # frames after a leap, with which it is compared
 _MARKS = 12  # frames of a run, evenly from its start, which tell one demonstration from another
 _TURNS, _A_TURN = (2 * np.pi, 360.0), 0.05  # rad and deg; of it: so much may come to it in one frame
@@ -190,15 +190,16 @@ def _stalls(size: Floats, moving: Bools, starts: Ints, count: Ints) -> dict[str,
     """Find the worst leap after a rest in each run, by how far it goes compared with the largest step soon after it."""
     names = ("stall", "stall_leap", "stall_at", "stall_length")
     found: dict[str, Floats] = {name: np.zeros(len(starts)) for name in names}
-    ends_a_rest = moving.copy()
-    ends_a_rest[starts] = True
-    ends = np.flatnonzero(ends_a_rest)
-    rest = np.diff(ends) - 1
-    long = np.flatnonzero(rest >= _STILL)
-    frames, rest = ends[1:][long], rest[long]
+    ends = moving.copy()
+    ends[starts] = True  # a rest ends where something moves, or the run does
+    still = ~ends
+    two = still[:-1] & still[1:]
+    six = two[:-4] & two[2:-2] & two[4:]  # _STILL in a row, from each on
+    frames = np.flatnonzero(six[:-1] & moving[_STILL:]) + _STILL
+    frames = frames[frames + _AFTER < (starts + count)[run_of(frames, starts)]]
     run = run_of(frames, starts)
-    inside = moving[frames] & (frames + _AFTER < (starts + count)[run])
-    frames, rest, run = frames[inside], rest[inside], run[inside]
+    marks = np.flatnonzero(ends) if len(frames) else frames
+    rest = frames - 1 - marks[np.searchsorted(marks, frames) - 1]
     after = size[frames[:, None] + 1 + np.arange(_AFTER)]  # (n_leaps, 5)
     ratio = size[frames] / np.maximum(after.max(axis=1, initial=0), 1e-300)
     ratio[(after > 0).sum(axis=1) < _AFTER - 1] = 0  # it does not go on: a switch
