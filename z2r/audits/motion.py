@@ -260,8 +260,9 @@ def nothing_is_clipped(runs: Runs) -> Iterator[Answer]:
         return
     names = {name: features[name].labels for name in (STATE, ACTION)}
     for one, other in ((STATE, ACTION), (ACTION, STATE)):
+        continuous = _continuous(runs, one)
         for column, name in enumerate(names[one]):
-            if names[other].count(name) != 1 or not _continuous(runs, one)[column]:
+            if names[other].count(name) != 1 or not continuous[column]:
                 continue
             beyond = names[other].index(name)
             for end, sign, at in (("low", -1, runs.steps[one].at_low), ("high", 1, runs.steps[one].at_high)):
