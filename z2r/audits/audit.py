@@ -6,7 +6,7 @@ itself in one place against what it says in another, and goes on.
 
 import os
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor
 from functools import partial
 from pathlib import Path
@@ -37,7 +37,7 @@ from z2r.format.about import cameras_of
 from z2r.format.dataset import in_order
 from z2r.format.decoding import check_can_decode
 from z2r.format.schema import ACTION, MAX_SIGNAL_SIZE, Schema
-from z2r.format.tables import read_data_file
+from z2r.format.tables import DataColumns, read_data_file
 from z2r.reading.breaks import BreakMode
 from z2r.reading.decode import can_decode, decode
 from z2r.reading.reading import Reading
@@ -158,6 +158,36 @@ def audit(
     MissingExtraError
         Only with `pictures`: if PyAV is not installed.
     """
+    return audit_beside(root, None, mode, reading, scene, progress, executor, pictures=pictures)[0]
+
+
+def audit_beside[T](
+    root: str | os.PathLike[str],
+    beside: Callable[[Path, DataColumns], T] | None,
+    mode: BreakMode | None = None,
+    reading: Reading | None = None,
+    scene: Scene | None = None,
+    progress: Progress = no_progress,
+    executor: Executor | None = None,
+    *,
+    pictures: bool = False,
+) -> tuple[Audit, list[T]]:
+    """Audit a dataset as `audit` does, and hand what is read to somebody else beside it.
+
+    Parameters
+    ----------
+    root, mode, reading, scene, progress, executor, pictures
+        As for `audit`.
+    beside : callable or None
+        Takes the path of a data file, relative to `root`, and what could be read of it; it survives pickling. What it
+        raises is not caught.
+
+    Returns
+    -------
+    audit : Audit
+    made : list
+        What `beside` returned, in the order of the numbers of the files; empty where no file was read.
+    """
     if pictures:
         check_can_decode()
     root = Path(root)
@@ -167,15 +197,15 @@ def audit(
         if mode:
             raise
         unreadable = ask(asked_of(NoSchema, PARTS), NoSchema(error.fault.relative_to(root)))
-        return _ended([*unreadable], mode)
+        return _ended([*unreadable], mode), []
     except Exception as error:
-        return _ended([failed("what the dataset says of itself", error)], mode)
+        return _ended([failed("what the dataset says of itself", error)], mode), []
     findings = [*ask(asked_of(Stored, PARTS), claims.stored)]
     if not len(claims.table.number):
-        return _ended(findings, mode)
+        return _ended(findings, mode), []
     findings += ask(asked_of(Claims, PARTS), claims)
     files = file_claims(claims, under_mode=mode is not None)
-    sums = _fold_files(claims, files, scene, pictures, progress, executor)
+    sums, made = _fold_files(claims, files, scene, pictures, beside, progress, executor)
     findings += [finding for part in sums for finding in part.findings]
     runs = join_runs(claims, files, sums)
     findings += _ask_of_all(claims, files, sums, runs, scene)
@@ -185,7 +215,7 @@ def audit(
     except Exception as error:
         of_cameras, unseen = [failed("the pictures", error)], ()
     findings += of_cameras
-    return Audit(
+    audited = Audit(
         *_in_order(findings, all_checks(scene)),
         not_checked=(*_failed(findings), *_not_checked(claims, sums, scene), *unseen),
         n_episodes=len(claims.table.number),
@@ -194,23 +224,43 @@ def audit(
         kept=_without_error(claims.table.number, findings),
         readable=True,
     )
+    return audited, made
 
 
-def _fold_files(
+def _fold_files[T](
     claims: Claims,
     files: Sequence[FileClaims],
     scene: Scene | None,
     pictures: bool,
+    beside: Callable[[Path, DataColumns], T] | None,
     progress: Progress,
     executor: Executor | None,
-) -> list[FileSums]:
+) -> tuple[list[FileSums], list[T]]:
     schema, numbers, pairs = claims.schema, claims.stored.task_numbers, pairs_of(claims.schema, claims.reading)
-    work = partial(_fold_file, claims.root, schema, numbers, claims.reading, pairs, scene, pictures)
-    sums = []
-    for part in in_order(work, files, executor):
+    fold = partial(_fold_file, claims.root, schema, numbers, claims.reading, pairs, scene, pictures)
+    work = partial(_read_and_fold, claims.root, schema, fold, beside)
+    sums, made = [], []
+    for part, other in in_order(work, files, executor):
         sums.append(part)
+        made += other
         progress(len(sums), len(files))
-    return sums
+    return sums, made
+
+
+def _read_and_fold[T](
+    root: Path,
+    schema: Schema,
+    fold: Callable[[FileClaims, DataColumns], FileSums],
+    beside: Callable[[Path, DataColumns], T] | None,
+    claims: FileClaims,
+) -> tuple[FileSums, list[T]]:
+    """Read one data file, once for all who want to know of it."""
+    try:
+        read = read_data_file(root, schema, claims.path)
+    except Exception as error:
+        return FileSums(None, [failed(claims.path.as_posix(), error)]), []
+    made = [beside(claims.path, read)] if beside else []
+    return fold(claims, read), made
 
 
 def _fold_file(
@@ -222,10 +272,11 @@ def _fold_file(
     scene: Scene | None,
     pictures: bool,
     claims: FileClaims,
+    read: DataColumns,
 ) -> FileSums:
-    """Read one data file, ask of it all that there is to ask, and keep what the others are held against."""
+    """Ask of one data file all that there is to ask, and keep what the others are held against."""
     try:
-        frames = FileFrames(claims, schema, tasks, claims.taken(read_data_file(root, schema, claims.path)))
+        frames = FileFrames(claims, schema, tasks, claims.taken(read))
         findings = [_of_the_file(each, claims) for each in ask(asked_of(FileFrames, PARTS), frames)]
         if not frames.read.n_rows:
             return FileSums(frames.read.n_rows, findings)
