@@ -63,7 +63,7 @@ from z2r.audits import audit as audit_module
 from z2r.audits import cameras, pictures
 from z2r.audits import claims as claims_module
 from z2r.audits.findings import AUDIT
-from z2r.audits.frames import run_stats
+from z2r.audits.steps import run_sums
 from z2r.audits.values import jumps
 from z2r.check import Answer, parts_in
 from z2r.format.tables import EPISODE_COLUMNS
@@ -252,7 +252,7 @@ def spike(rng: np.random.Generator, episode: int) -> np.ndarray:
 def test_a_jump_leaps_away_and_back(signal, n_jumps):
     rng = np.random.default_rng(0)
     values = np.concatenate([signal(rng, episode) for episode in range(10)])[:, None].astype(np.float32)
-    stats = run_stats(values, 100 * np.arange(10))
+    stats, _ = run_sums(values, 100 * np.arange(10), fps=10)
     assert len(list(jumps("observation.state", Feature("float32", (1,)), stats, np.arange(10)))) == n_jumps
 
 

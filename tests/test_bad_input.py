@@ -4,9 +4,11 @@ import shutil
 from pathlib import Path
 
 import pytest
-from damages import DAMAGES, DATA, edit_info, fingerprint, make
+from damages import BASES, DAMAGES, DATA, ON_DATA, ON_VALUES, edit_info, fingerprint, make
 
 import z2r
+from z2r.api import choose_reading, scene_of
+from z2r.audits.both import inspect_and_audit
 from z2r.format.schema import data_file_path, read_schema
 
 FAULTS = {kind: damage for kind, damage in DAMAGES.items() if damage.reader is not None}
@@ -28,6 +30,41 @@ def test_a_fault_is_named(kind, tmp_path):
     assert damage.reader in str(caught.value)
     assert "\n" not in str(caught.value)
     assert fingerprint(tmp_path) == before
+
+
+def said_of(dataset: z2r.Dataset, *, in_one_pass: bool) -> tuple[object, ...] | str:
+    """Say what inspection and audit find, or at what they stop."""
+    reading = choose_reading(dataset.schema)
+    try:
+        if in_one_pass:
+            inspection, audit = inspect_and_audit(dataset, reading, scene_of(reading), keep=60)
+        else:
+            inspection, audit = z2r.inspect_dataset(dataset, keep=60), z2r.audit(dataset)
+    except z2r.DatasetError as error:
+        return str(error)
+    kept = {name: values.tolist() for name, values in inspection.kept.items()}
+    return inspection.metrics("", None), kept, audit.to_dict("")
+
+
+@pytest.mark.parametrize("kind", ON_DATA | ON_VALUES)
+def test_one_pass_for_the_report_says_what_each_says_alone(kind, tmp_path):
+    make(kind, tmp_path / "dataset")
+    try:
+        dataset = z2r.load(tmp_path / "dataset")
+    except z2r.DatasetError:
+        return  # before any pass
+    assert said_of(dataset, in_one_pass=True) == said_of(dataset, in_one_pass=False)
+
+
+@pytest.mark.parametrize("change", ["whole", "first", "joints-exchanged", "drop-boundaries"])
+def test_one_pass_inspects_what_it_is_given(change, tmp_path):
+    BASES["split"](tmp_path / "dataset")
+    dataset = z2r.load(tmp_path / "dataset")
+    if change == "first":
+        dataset = dataset.first(5)
+    elif change != "whole":
+        dataset = z2r.break_mode(change).dataset(dataset)
+    assert said_of(dataset, in_one_pass=True) == said_of(dataset, in_one_pass=False)
 
 
 @pytest.mark.parametrize("kind", sorted(DAMAGES.keys() - FAULTS.keys()))

@@ -15,7 +15,7 @@ from robots import write_arm
 
 import z2r
 from z2r.audits.following import Pair, fold_following
-from z2r.audits.steps import run_steps
+from z2r.audits.steps import run_sums
 from z2r.reading.reading import ColumnMeaning
 
 SILENT: dict[str, set[str]] = {
@@ -128,13 +128,13 @@ def test_runs_are_summed_up_as_a_loop_over_frames_does():
     rng = np.random.default_rng(5)
     values = np.round(np.cumsum(rng.normal(size=(300, 2)), axis=0), 1).astype(np.float32)
     starts = np.array([0, 90, 91, 200])
-    found = run_steps(values, starts, fps=10)
+    stats, found = run_sums(values, starts, fps=10)
     for run, part in enumerate(np.split(values.astype(np.float64), starts[1:])):
         steps = np.abs(np.diff(part, axis=0))
         assert found.path[run] == pytest.approx(steps.sum(axis=0))
         assert found.moves[run].tolist() == (steps > 0).sum(axis=0).tolist()
         if len(part) > 1:
-            assert found.largest[run] == pytest.approx(steps.max(axis=0))
+            assert stats.step[run] == pytest.approx(steps.max(axis=0))
             assert found.at[run].tolist() == (1 + steps.argmax(axis=0)).tolist()
         third = np.abs(np.diff(part, n=3, axis=0))
         assert found.noise[run] == pytest.approx(third.sum(axis=0) if len(third) else np.zeros(2))

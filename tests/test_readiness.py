@@ -380,13 +380,13 @@ def test_an_action_that_never_changes_is_one_that_a_policy_always_takes(standin_
 )
 def test_a_standstill_is_counted_from_both_ends(lengths, moves):
     n = sum(lengths)
-    values = np.cumsum(moves[:n], dtype=np.float32)
+    values = np.cumsum(moves[:n], dtype=np.float32)[:, None]
     starts = np.cumsum(lengths) - lengths
     counted = []
     for start, length in zip(starts.tolist(), lengths, strict=True):
-        rows = values[start : start + length].tolist()
+        rows = values[start : start + length, 0].tolist()
         counted.append((rows.count(rows[0]), rows.count(rows[-1])))  # it only ever rises
-    idle = standstill([values, np.zeros(n)], starts)
+    idle = standstill([values, np.zeros((n, 2))], [np.array([0.5]), np.zeros(2)], starts)
     assert idle.tolist() == [list(ends) for ends in counted]
 
 
@@ -394,7 +394,7 @@ def test_jitter_is_no_motion_and_a_slow_start_is():
     rng = np.random.default_rng(0)
     moving = np.concatenate([np.zeros(50), np.linspace(0, 100, 100), np.full(30, 100.0)])
     values = moving + rng.normal(0, 0.1, len(moving))
-    [[head, tail]] = standstill([values], np.array([0]))
+    [[head, tail]] = standstill([values[:, None]], [np.array([0.05 * values.std()])], np.array([0]))
     assert 50 <= head <= 55
     assert 30 <= tail <= 35
 

@@ -429,11 +429,13 @@ def test_a_page_reads_wrong_as_an_inspection_does(mode, dataset_and_reading):
     "work",
     [
         lambda dataset, out: z2r.inspect_dataset(dataset, keep=10**6),
+        lambda dataset, out: z2r.write_report(dataset, out / "page.html"),
         lambda dataset, out: z2r.write_report(dataset, out / "page.html", with_audit=False),
+        lambda dataset, out: z2r.audit(dataset),
         lambda dataset, out: z2r.write_replay(dataset, out / "x.rrd"),
         lambda dataset, out: z2r.panel(dataset),
     ],
-    ids=["inspect", "report", "replay", "panel"],
+    ids=["inspect", "report", "report without audit", "audit", "replay", "panel"],
 )
 def test_each_data_file_is_opened_once(work: Callable[[z2r.Dataset, Path], object], tmp_path, monkeypatch):
     dataset = z2r.load(split(z2r.MESSY, tmp_path / "split"))

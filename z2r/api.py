@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from z2r.arrays import Progress, no_progress
 from z2r.audits import audit as audits
-from z2r.audits import beliefs
+from z2r.audits import beliefs, both
 from z2r.audits.audit import Audit, all_checks
 from z2r.audits.beliefs import Beliefs
 from z2r.audits.explain import EXPLANATIONS, Explanation, read_explanations
@@ -359,7 +359,7 @@ def write_report(
     progress : callable, optional
         Called with the number of frames done and the number of all, after each data file.
     with_audit : bool, optional
-        Audit the dataset too, which is a pass over its files of its own, and show what was found.
+        Audit the dataset too, in the same pass over its files, and show what was found.
 
     Raises
     ------
@@ -370,8 +370,10 @@ def write_report(
     dataset = _loaded(dataset)
     reading = reading or choose_reading(dataset.schema)
     keep = reports.n_frames_in_report(dataset.schema, reading)
-    inspection = inspect_dataset(dataset, reading=reading, progress=progress, keep=keep)
-    found = audit(dataset, reading=reading) if with_audit else None
+    if not with_audit:
+        inspection = inspect_dataset(dataset, reading=reading, progress=progress, keep=keep)
+        return reports.write_report(inspection, path, scene_of(inspection.reading))
+    inspection, found = both.inspect_and_audit(dataset, reading, scene_of(reading), progress, keep)
     return reports.write_report(inspection, path, scene_of(inspection.reading), found)
 
 

@@ -8,6 +8,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+_ROWS_AT_ONCE = 256  # so many of some numbers each fit into the nearest cache
+
 type Ints = NDArray[np.int64]
 type Floats = NDArray[np.float64]
 type Bools = NDArray[np.bool_]
@@ -71,3 +73,16 @@ def sum_parts(values: Array, starts: Ints, stops: Ints) -> Floats:
     sums = [values[start:stop].sum(axis=0, dtype=np.float64) for start, stop in zip(starts, stops, strict=True)]
     total: Floats = np.sum(sums, axis=0)
     return total
+
+
+def by_column(values: Array) -> Array:
+    """Return the same numbers, (n_rows, size), each column in one piece of memory; numpy copies so at half the speed.
+
+    >>> by_column(np.eye(3, 2)).T.flags.c_contiguous
+    True
+    """
+    turned = np.empty(values.shape[::-1], values.dtype)
+    for first in range(0, len(values), _ROWS_AT_ONCE):
+        rows = slice(first, first + _ROWS_AT_ONCE)
+        turned[:, rows] = values[rows].T
+    return turned.T

@@ -6,7 +6,7 @@ itself in one place against what it says in another, and goes on.
 
 import os
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from concurrent.futures import Executor
 from functools import partial
 from pathlib import Path
@@ -35,14 +35,14 @@ from z2r.audits.claims import Claims, NoSchema, Stored, claims_under, read_claim
 from z2r.audits.findings import AUDIT, Finding, ask, failed
 from z2r.audits.following import MIN_FRAMES, Pair, fold_following, join_following, pairs_of
 from z2r.audits.footage import FileImages, Footage, read_file_images, read_footage, sum_images, sum_places
-from z2r.audits.frames import FileClaims, FileFrames, file_claims, run_stats
+from z2r.audits.frames import FileClaims, FileFrames, file_claims
 from z2r.audits.glances import glance_at, join_filmed
 from z2r.audits.joints import Joints
 from z2r.audits.labels import Labels, fold_labels, join_labels
 from z2r.audits.looks import Looks, looks_of_glances, looks_of_sizes
 from z2r.audits.readiness import fold_idle
 from z2r.audits.runs import FileSums, Runs, join_runs
-from z2r.audits.steps import moves, run_steps
+from z2r.audits.steps import moves, run_sums
 from z2r.audits.tasks import fold_tasks
 from z2r.check import SEVERITIES, Check, asked_of, parts_in
 from z2r.errors import DatasetError, count, some
@@ -50,7 +50,7 @@ from z2r.format.about import cameras_of
 from z2r.format.dataset import in_order
 from z2r.format.decoding import check_can_decode
 from z2r.format.schema import ACTION, MAX_SIGNAL_SIZE, Schema
-from z2r.format.tables import read_data_file
+from z2r.format.tables import DataColumns, read_data_file
 from z2r.reading.breaks import BreakMode
 from z2r.reading.decode import can_decode, decode
 from z2r.reading.reading import Reading
@@ -195,6 +195,36 @@ def audit(
     MissingExtraError
         Only with `pictures`: if PyAV is not installed.
     """
+    return audit_beside(root, None, mode, reading, scene, progress, executor, pictures=pictures)[0]
+
+
+def audit_beside[T](
+    root: str | os.PathLike[str],
+    beside: Callable[[Path, DataColumns], T] | None,
+    mode: BreakMode | None = None,
+    reading: Reading | None = None,
+    scene: Scene | None = None,
+    progress: Progress = no_progress,
+    executor: Executor | None = None,
+    *,
+    pictures: bool = False,
+) -> tuple[Audit, list[T]]:
+    """Audit a dataset as `audit` does, and hand what is read to somebody else beside it.
+
+    Parameters
+    ----------
+    root, mode, reading, scene, progress, executor, pictures
+        As for `audit`.
+    beside : callable or None
+        Takes the path of a data file, relative to `root`, and what could be read of it; it survives pickling. What it
+        raises is not caught.
+
+    Returns
+    -------
+    audit : Audit
+    made : list
+        What `beside` returned, in the order of the numbers of the files; empty where no file was read.
+    """
     if pictures:
         check_can_decode()
     root = Path(root)
@@ -204,15 +234,15 @@ def audit(
         if mode:
             raise
         unreadable = ask(asked_of(NoSchema, PARTS), NoSchema(error.fault.relative_to(root)))
-        return _ended([*unreadable], mode)
+        return _ended([*unreadable], mode), []
     except Exception as error:
-        return _ended([failed("what the dataset says of itself", error)], mode)
+        return _ended([failed("what the dataset says of itself", error)], mode), []
     findings = [*ask(asked_of(Stored, PARTS), claims.stored)]
     if not len(claims.table.number):
-        return _ended(findings, mode)
+        return _ended(findings, mode), []
     findings += ask(asked_of(Claims, PARTS), claims)
     files = file_claims(claims, under_mode=mode is not None)
-    sums = _fold_files(claims, files, scene, pictures, progress, executor)
+    sums, made = _fold_files(claims, files, scene, pictures, beside, progress, executor)
     findings += [finding for part in sums for finding in part.findings]
     runs = join_runs(claims, files, sums)
     findings += _ask_of_all(claims, files, sums, runs, scene)
@@ -222,7 +252,7 @@ def audit(
     except Exception as error:
         of_cameras, unseen = [failed("the pictures", error)], ()
     findings += of_cameras
-    return Audit(
+    audited = Audit(
         *_in_order(findings, all_checks(scene)),
         not_checked=(*_failed(findings), *_not_checked(claims, sums, scene), *unseen),
         n_episodes=len(claims.table.number),
@@ -231,23 +261,43 @@ def audit(
         kept=_without_error(claims.table.number, findings),
         readable=True,
     )
+    return audited, made
 
 
-def _fold_files(
+def _fold_files[T](
     claims: Claims,
     files: Sequence[FileClaims],
     scene: Scene | None,
     pictures: bool,
+    beside: Callable[[Path, DataColumns], T] | None,
     progress: Progress,
     executor: Executor | None,
-) -> list[FileSums]:
+) -> tuple[list[FileSums], list[T]]:
     schema, numbers, pairs = claims.schema, claims.stored.task_numbers, pairs_of(claims.schema, claims.reading)
-    work = partial(_fold_file, claims.root, schema, numbers, claims.reading, pairs, scene, pictures)
-    sums = []
-    for part in in_order(work, files, executor):
+    fold = partial(_fold_file, claims.root, schema, numbers, claims.reading, pairs, scene, pictures)
+    work = partial(_read_and_fold, claims.root, schema, fold, beside)
+    sums, made = [], []
+    for part, other in in_order(work, files, executor):
         sums.append(part)
+        made += other
         progress(len(sums), len(files))
-    return sums
+    return sums, made
+
+
+def _read_and_fold[T](
+    root: Path,
+    schema: Schema,
+    fold: Callable[[FileClaims, DataColumns], FileSums],
+    beside: Callable[[Path, DataColumns], T] | None,
+    claims: FileClaims,
+) -> tuple[FileSums, list[T]]:
+    """Read one data file, once for all who want to know of it."""
+    try:
+        read = read_data_file(root, schema, claims.path)
+    except Exception as error:
+        return FileSums(None, [failed(claims.path.as_posix(), error)]), []
+    made = [beside(claims.path, read)] if beside else []
+    return fold(claims, read), made
 
 
 def _fold_file(
@@ -259,27 +309,30 @@ def _fold_file(
     scene: Scene | None,
     pictures: bool,
     claims: FileClaims,
+    read: DataColumns,
 ) -> FileSums:
-    """Read one data file, ask of it all that there is to ask, and keep what the others are held against."""
+    """Ask of one data file all that there is to ask, and keep what the others are held against."""
     try:
-        frames = FileFrames(claims, schema, tasks, claims.taken(read_data_file(root, schema, claims.path)))
+        frames = FileFrames(claims, schema, tasks, claims.taken(read))
         findings = [_of_the_file(each, claims) for each in ask(asked_of(FileFrames, PARTS), frames)]
         if not frames.read.n_rows:
             return FileSums(frames.read.n_rows, findings)
         images = read_file_images(root, frames)
         findings += ask(asked_of(FileImages, PARTS), images)
         number, starts, signals = frames.counts.get("episode_index"), frames.run_starts, frames.signals
+        sums = {name: run_sums(signal, starts, schema.fps) for name, signal in signals.items()}
+        stats = {name: stats for name, (stats, _) in sums.items()}
         return FileSums(
             n_rows=frames.read.n_rows,
             findings=findings,
             starts=starts,
             numbers=None if number is None else number[starts],
-            stats={name: run_stats(signal, starts) for name, signal in signals.items()},
-            steps={name: run_steps(signal, starts, schema.fps) for name, signal in signals.items() if moves(name)},
+            stats=stats,
+            steps={name: steps for name, (_, steps) in sums.items() if moves(name)},
             following=fold_following(pairs, signals, starts),
             labels=fold_labels(frames, reading),
             scene=_fold_scene(scene, frames, reading, findings),
-            idle=fold_idle(frames),
+            idle=fold_idle(frames, stats),
             tasks=fold_tasks(frames),
             images=sum_images(images),
             places=sum_places(frames) if pictures else None,

@@ -9,10 +9,9 @@ from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 
-from z2r.arrays import Columns, Floats, Ints
-from z2r.audits.steps import is_a_turn, run_of_each
+from z2r.arrays import Bools, Columns, Floats, Ints
+from z2r.audits.steps import change_in_runs, count_in_runs, is_a_turn, run_of
 from z2r.format.schema import ACTION, STATE, Schema, column_label
 from z2r.reading.joints import joints_of
 from z2r.reading.reading import Reading
@@ -25,9 +24,10 @@ _SAMPLE = 5  # runs of a file, from which its usual lag is taken
 _LONGEST = 600  # frames of a run that are looked at closer
 _OFF = 3  # times as much unexplained as in the better runs: look closer
 _LITTLE = 0.004  # of the variance: what leaves less unexplained needs no closer look
-_SECOND = 24  # frames, about
+_SECOND = 24  # frames, about: `_sums_of_a_second` adds up as many
 _MAX_LOOKS = 256  # runs of a file, for each pair
 _ALIKE, _TOO_LITTLE = 1.5, 1e-4  # times as much unexplained, and a share of the variance: these lags fit as well
+_ROUNDING = 1e-12  # of a mean square: a variance that is less is none
 _POOR = 0.9  # explained: below, another column may explain more
 
 _LAGS = ("lag", "least", "most")
@@ -180,12 +180,16 @@ def _rows(run: int, starts: Ints, stops: Ints) -> slice:
 def _fold_pair(pairs: Sequence[Pair], place: int, columns: Columns, starts: Ints, stops: Ints) -> dict[str, Floats]:
     """Sum up one pair: every field of `Following` but the first, each float64[n_runs]."""
     asked, seen = _command(pairs[place], columns), _column(pairs[place], columns)
-    turns = {"turns_asked": _turns(asked, starts), "turns_seen": _turns(seen, starts)}
+    changes = change_in_runs(asked, starts)
+    turns = {
+        "turns_asked": _turns(asked, changes, starts),
+        "turns_seen": _turns(seen, change_in_runs(seen, starts), starts),
+    }
     if all(each.any() for each in turns.values()):
         asked, seen = _unwound(asked), _unwound(seen)
     usual = _usual_lag(asked, seen, starts, stops)
     kind, lag = (usual.kind, usual.lag) if usual else (0, 0)
-    fit = _fit_runs(asked, _change(seen, starts) if kind else seen, starts, stops, lag)
+    fit = _fit_runs(asked, change_in_runs(seen, starts) if kind else seen, starts, stops, lag)
     nothing = np.full(len(starts), np.nan)
     found = {
         "asked": np.maximum.reduceat(asked, starts) - np.minimum.reduceat(asked, starts),
@@ -197,7 +201,7 @@ def _fold_pair(pairs: Sequence[Pair], place: int, columns: Columns, starts: Ints
         "other_explained": nothing.copy(),
         **_stray(asked, seen, starts, stops, usual, _usual_factor(fit)),
         **turns,
-        **_copied(asked, seen, starts),
+        **_copied(asked, seen, changes != 0, starts),
     }
     for run in _worth_a_look(found, stops - starts, is_followed=usual is not None):
         rows = _rows(run, starts, stops)
@@ -210,13 +214,12 @@ def _fold_pair(pairs: Sequence[Pair], place: int, columns: Columns, starts: Ints
     return found
 
 
-def _turns(values: Floats, starts: Ints) -> Floats:
+def _turns(values: Floats, changes: Floats, starts: Ints) -> Floats:
     """Count the steps of a whole turn in each run."""
-    if not is_a_turn(np.abs(np.diff(values)).max(initial=0), np.ptp(values)):
+    sizes, span = np.abs(changes), np.ptp(values)
+    if not is_a_turn(sizes.max(), span):
         return np.zeros(len(starts))
-    a_turn = is_a_turn(np.abs(_change(values, starts)), np.ptp(values))
-    n_turns: Floats = np.add.reduceat(a_turn.astype(np.float64), starts)
-    return n_turns
+    return count_in_runs(is_a_turn(sizes, span), starts)
 
 
 def _unwound(values: Floats) -> Floats:
@@ -225,13 +228,16 @@ def _unwound(values: Floats) -> Floats:
     return np.asarray(unwound, dtype=np.float64)
 
 
-def _copied(asked: Floats, seen: Floats, starts: Ints) -> dict[str, Floats]:
+def _copied(asked: Floats, seen: Floats, changes: Bools, starts: Ints) -> dict[str, Floats]:
     """Say of each run in which share of the frames a command is the column in the same frame, and in the next one."""
-    changes = np.diff(asked, prepend=asked[:1]) != 0
-    changes[starts] = False
-    n = np.maximum(np.add.reduceat(changes.astype(np.float64), starts), 1)
-    same = {"copied": asked == seen, "foretold": asked == np.append(seen[1:], np.nan)}
-    return {name: np.add.reduceat((changes & each).astype(np.float64), starts) / n for name, each in same.items()}
+    n = np.maximum(count_in_runs(changes, starts), 1)
+    foretold = changes.copy()
+    foretold[:-1] &= asked[:-1] == seen[1:]
+    foretold[-1] = False
+    return {
+        "copied": count_in_runs(changes & (asked == seen), starts) / n,
+        "foretold": count_in_runs(foretold, starts) / n,
+    }
 
 
 def _usual_factor(fit: dict[str, Floats]) -> float:
@@ -248,16 +254,28 @@ def _stray(
         return {"beside": worst, "beside_at": at}
     lag = usual.lag
     beside = asked - factor * np.roll(seen, -lag)
-    total = np.concatenate([[0.0], np.cumsum(beside - beside.mean())])
-    mean = np.abs(total[_SECOND:] - total[:-_SECOND]) / _SECOND  # of the frames from each on
-    run, rows = run_of_each(starts, len(asked))[: len(mean)], np.arange(len(mean))
-    mean[(rows < (starts + max(-lag, 0))[run]) | (rows >= (stops - max(lag, 0) - _SECOND)[run])] = -1
-    inside = starts < len(mean)  # the last runs may be shorter than a second
-    worst[inside] = np.maximum.reduceat(mean, starts[inside]) if inside.any() else worst[inside]
-    hits = np.flatnonzero(mean == worst[run])[::-1]  # the first of each run is written last
-    at[run[hits]] = hits - starts[run[hits]]
-    worst[worst < 0] = np.nan
+    mean = np.abs(_sums_of_a_second(beside - beside.mean())) / _SECOND  # of the frames from each on
+    first, last = starts + max(-lag, 0), stops - max(lag, 0) - _SECOND
+    long = first < last
+    if not long.any():
+        return {"beside": worst, "beside_at": at}
+    ends = np.stack([first[long], last[long]], axis=1).ravel()
+    worst[long] = np.maximum.reduceat(mean, ends)[::2]
+    levels = np.stack([np.full(long.sum(), np.nan), worst[long]], axis=1).ravel()  # between runs, and in them
+    level = np.repeat(np.append(levels, np.nan), np.diff(ends, prepend=0, append=len(mean)))
+    hits = np.flatnonzero(mean == level)[::-1]  # the first of each run is written last
+    run = run_of(hits, starts)
+    at[run] = hits - starts[run]
     return {"beside": worst, "beside_at": at}
+
+
+def _sums_of_a_second(values: Floats) -> Floats:
+    """Add up 24 in a row, from each on; running totals would be slower, and lose digits."""
+    twos = values[:-1] + values[1:]
+    fours = twos[:-2] + twos[2:]
+    eights = fours[:-4] + fours[4:]
+    sums: Floats = eights[:-16] + eights[8:-8] + eights[16:]
+    return sums
 
 
 def _worth_a_look(found: dict[str, Floats], n: Ints, *, is_followed: bool) -> list[int]:
@@ -278,7 +296,7 @@ def _look(asked: Floats, seen: Floats, explained: float) -> Iterator[tuple[str, 
     if best.explained <= explained:
         return
     start, stop = np.array([0]), np.array([len(asked)])
-    fit = _fit_runs(asked, _change(seen, start) if best.kind else seen, start, stop, best.lag)
+    fit = _fit_runs(asked, change_in_runs(seen, start) if best.kind else seen, start, stop, best.lag)
     yield from (best._asdict() | {name: float(value[0]) for name, value in fit.items()}).items()
 
 
@@ -286,9 +304,9 @@ def _best_lag(asked: Floats, seen: Floats) -> _Lag:
     """Say in which way a column follows best in one run of frames."""
     before, after = min(_LATE, len(asked) // 4), min(_AHEAD, len(asked) // 4)
     core, kind = asked[before : len(asked) - after], 0
-    explained = _explained(core, seen[:, None])[:, 0]  # (before + after + 1,)
+    explained = _explained(core, seen)  # (before + after + 1,)
     if explained.max() < _POOR:
-        by_change = _explained(core, _change(seen, np.array([0]))[:, None])[:, 0]
+        by_change = _explained(core, change_in_runs(seen, np.array([0])))
         kind = int(by_change.max() > explained.max())
         explained = by_change if kind else explained
     lag, best = int(explained.argmax()), float(explained.max())
@@ -299,23 +317,28 @@ def _best_lag(asked: Floats, seen: Floats) -> _Lag:
 def _best_other(pairs: Sequence[Pair], columns: Columns, asked: Floats, rows: slice) -> tuple[float, float]:
     """Return the pair whose column follows a command of one run best, and how much that explains."""
     before, after = min(_LATE, len(asked) // 4), min(_AHEAD, len(asked) // 4)
-    seen = np.stack([_column(pair, columns, rows) for pair in pairs], axis=1)
-    explained = _explained(asked[before : len(asked) - after], seen).max(axis=0)
-    return float(explained.argmax()), float(explained.max())
+    core = asked[before : len(asked) - after]
+    explained = [_explained(core, _column(pair, columns, rows)).max() for pair in pairs]
+    best = int(np.argmax(explained))
+    return float(best), float(explained[best])
 
 
 def _explained(asked: Floats, seen: Floats) -> Floats:
-    """Say how much of a command's variance columns explain at every lag, (n_lags, n_columns), in [0, 1].
+    """Say how much of a command's variance a column explains at every lag, float64[n_lags], in [0, 1].
 
-    The columns are longer than the command by as many frames as there are lags, less one.
+    The column is longer than the command by as many frames as there are lags, less one.
     """
-    windows = sliding_window_view(seen - seen.mean(axis=0), len(asked), axis=0)  # (n_lags, n_columns, n)
-    asked = asked - asked.mean()
-    both = windows @ asked  # (n_lags, n_columns)
-    spread = np.einsum("lcn,lcn->lc", windows, windows) - np.square(windows.mean(axis=2)) * len(asked)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        explained: Floats = np.clip(np.nan_to_num(np.square(both) / (spread * (asked @ asked))), 0, 1)
-    return explained
+    seen, asked, ones = seen - seen.mean(), asked - asked.mean(), np.ones(len(asked))
+    both: Any = np.correlate(seen, asked, "valid")
+    sums, squares = np.correlate(seen, ones, "valid"), np.correlate(np.square(seen), ones, "valid")
+    whole: Floats = (squares - np.square(sums) / len(asked)) * (asked @ asked)
+    return _share(both, whole)
+
+
+def _share(both: Floats, whole: Floats) -> Floats:
+    """Return the share of a variance that is explained: a covariance squared, over both variances."""
+    share: Floats = np.divide(np.square(both), whole, out=np.zeros(len(both)), where=whole > 0).clip(max=1)
+    return share
 
 
 def _fit_runs(asked: Floats, seen: Floats, starts: Ints, stops: Ints, lag: int) -> dict[str, Floats]:
@@ -325,23 +348,25 @@ def _fit_runs(asked: Floats, seen: Floats, starts: Ints, stops: Ints, lag: int) 
     """
     first, last = np.minimum(starts + max(-lag, 0), stops), np.maximum(stops - max(lag, 0), starts)
     last = np.maximum(last, first)
-    n = np.maximum(last - first, 1)
+    n, ends = np.maximum(last - first, 1), np.stack([first, last], axis=1).ravel()
     centre_a, centre_s = asked.mean(), seen.mean()
-    asked, seen = asked - centre_a, np.roll(seen - centre_s, -lag)
+    asked = np.append(asked - centre_a, 0.0)  # so that the last run, too, has an end in it
+    seen = np.append(np.roll(seen - centre_s, -lag), 0.0)
 
-    def sums(values: Floats) -> Floats:
-        total = np.concatenate([[0.0], np.cumsum(values)])
-        mean: Floats = (total[last] - total[first]) / n
+    def means(values: Floats) -> Floats:
+        mean: Floats = np.where(first < last, np.add.reduceat(values, ends)[::2], 0.0) / n
         return mean
 
-    mean_a, mean_s = sums(asked), sums(seen)
-    both, var_a = sums(asked * seen) - mean_a * mean_s, sums(np.square(asked)) - np.square(mean_a)
-    var_s = sums(np.square(seen)) - np.square(mean_s)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        explained = np.clip(np.nan_to_num(np.square(both) / (var_a * var_s)), 0, 1)
-        factor = np.where(both == 0, 0.0, var_a / both)
+    def variances(values: Floats, mean: Floats) -> Floats:
+        squares = means(np.square(values))
+        variance = squares - np.square(mean)
+        return np.where(variance > _ROUNDING * squares, variance, 0.0)  # of what stands still, nothing
+
+    mean_a, mean_s = means(asked), means(seen)
+    var_a, var_s, both = variances(asked, mean_a), variances(seen, mean_s), means(asked * seen) - mean_a * mean_s
+    factor = np.divide(var_a, both, out=np.zeros(len(both)), where=both != 0)
     return {
-        "explained": explained,
+        "explained": _share(both, var_a * var_s),
         "factor": factor,
         "mean_asked": mean_a + centre_a,
         "mean_seen": mean_s + centre_s,
@@ -354,10 +379,3 @@ def _command(pair: Pair, columns: Columns) -> Floats:
 
 def _column(pair: Pair, columns: Columns, rows: slice = slice(None)) -> Floats:
     return columns[pair.feature][rows, pair.column].astype(np.float64)
-
-
-def _change(values: Floats, starts: Ints) -> Floats:
-    """Return the change from the frame before, 0 in the first of each run."""
-    change = np.diff(values, prepend=values[:1])
-    change[starts] = 0
-    return change

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from z2r.arrays import Array, Bools, Columns, Floats, Ints
+from z2r.arrays import Bools, Columns, Floats, Ints, by_column
 from z2r.audits.claims import Claims
 from z2r.format import rules
 from z2r.format.episodes import EpisodeIndex
@@ -88,10 +88,13 @@ class FileFrames:
         values = self.read.frames.get("timestamp")
         return None if values is None else values[:, 0].astype(np.float64)
 
-    @property
+    @cached_property
     def signals(self) -> Columns:
-        """What the robot saw and did. LeRobot does not renew the statistics of the rest when it edits a dataset."""
-        return {name: values for name, values in self.read.frames.items() if name not in BOOKKEEPING}
+        """What the robot saw and did, each column in one piece, as it will be read again and again.
+
+        LeRobot does not renew the statistics of the rest when it edits a dataset.
+        """
+        return {name: by_column(values) for name, values in self.read.frames.items() if name not in BOOKKEEPING}
 
     @cached_property
     def run_starts(self) -> Ints:
@@ -136,19 +139,19 @@ class RunStats(NamedTuple):
     step: Floats
     spike: Floats
 
+    @property
+    def std(self) -> Floats:
+        """The standard deviation in each run, float64[n_runs, size]."""
+        std: Floats = np.sqrt(self.squares / self.n[:, None])
+        return std
 
-def run_stats(values: Array, starts: Ints) -> RunStats:
-    """Sum one feature up for each run; a run begins at each of `starts` and ends where the next begins."""
-    count = np.diff(np.append(starts, len(values)))
-    # One column after another: numpy reduces adjacent numbers many times faster, and copies stay small.
-    columns = [_column_stats(column.astype(np.float64), starts, count) for column in values.T]
-    n = count.astype(np.float64)
-    stacked = {
-        name: np.array([column[name] for column in columns]).reshape(-1, len(starts)).T
-        for name in RunStats._fields
-        if name != "n"
-    }
-    return RunStats(n=n, **stacked)
+    def together(self) -> "RunStats":
+        """Return all runs as if they were one."""
+        n, weight = self.n.sum(keepdims=True), self.n[:, None]
+        mean = (self.mean * weight).sum(axis=0, keepdims=True) / n
+        squares = (self.squares + weight * np.square(self.mean - mean)).sum(axis=0, keepdims=True)
+        high, step, spike = (each.max(axis=0, keepdims=True) for each in (self.high, self.step, self.spike))
+        return RunStats(n, self.low.min(axis=0, keepdims=True), high, mean, squares, step, spike)
 
 
 def joined(parts: Sequence[RunStats]) -> RunStats:
@@ -184,19 +187,3 @@ def _first_frames(claims: Claims, *, under_mode: bool) -> list[int]:
         n_rows = count_rows(claims.root, path)
         bases.append(bases[-1] + (int(table.length[table.file_number == number].sum()) if n_rows is None else n_rows))
     return bases[:-1]
-
-
-def _column_stats(values: Floats, starts: Ints, count: Ints) -> dict[str, Floats]:
-    mean = np.add.reduceat(values, starts) / count
-    steps = np.diff(values, prepend=values[:1])
-    steps[starts] = 0
-    back = np.append(-steps[1:], 0.0)
-    spikes = np.maximum(np.minimum(steps, back), np.minimum(-steps, -back))  # both the same way, or below 0
-    return {
-        "low": np.minimum.reduceat(values, starts),
-        "high": np.maximum.reduceat(values, starts),
-        "mean": mean,
-        "squares": np.add.reduceat(np.square(values - np.repeat(mean, count)), starts),
-        "step": np.maximum.reduceat(np.abs(steps), starts),
-        "spike": np.maximum.reduceat(spikes, starts),
-    }

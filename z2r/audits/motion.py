@@ -57,18 +57,18 @@ LEAP = Check("discontinuity", "no robot leaps inside an episode, as where two ar
 def nothing_leaps(runs: Runs) -> Iterator[Answer]:
     """Does a column leap, and stay there, while it goes smoothly elsewhere?"""
     for name, steps in runs.steps.items():
-        ratio, continuous = _leap_ratio(runs, name), _continuous(runs, name)
-        calm = _quarter(steps.largest)
-        wrong: Bools = (ratio > _LEAP) & (steps.largest > _USUAL * calm) & continuous & (calm > 0)
-        wrong &= (_quarter(ratio) < _SMOOTH) & (steps.largest > _ALONE * steps.around)
+        ratio, continuous, largest = _leap_ratio(runs, name), _continuous(runs, name), runs.stats[name].step
+        calm = _quarter(largest)
+        wrong: Bools = (ratio > _LEAP) & (largest > _USUAL * calm) & continuous & (calm > 0)
+        wrong &= (_quarter(ratio) < _SMOOTH) & (largest > _ALONE * steps.around)
         wrong &= steps.repeated < _SOME_REPEATED * runs.n_frames[:, None]
-        wrong &= ~is_a_turn(steps.largest, runs.spans(name))
+        wrong &= ~is_a_turn(largest, runs.spans(name))
         if wrong.any():
             run, column = _worst(wrong, ratio)
             together = wrong[run] & (steps.at[run] == steps.at[run, column])
             where = _where(runs, wrong, run, steps.at[run, column])
             place = f"{_dim(runs, name, column)} in {where}"
-            found = f"a leap of {steps.largest[run, column]:.3g}{_so_in(together)}"
+            found = f"a leap of {largest[run, column]:.3g}{_so_in(together)}"
             expected = f"steps of about {calm[column]:.3g} at most, as in the other episodes"
             mend = "Are these two episodes, or were frames dropped? Cut it there, or leave it out"
             frame = int(runs.start[run] + steps.at[run, column])
@@ -79,8 +79,8 @@ def nothing_leaps(runs: Runs) -> Iterator[Answer]:
 def nothing_leaps_and_comes_back(runs: Runs) -> Iterator[Answer]:
     """Does a value leap away and back in one frame, much further than it moves in its own episode?"""
     for name, steps in runs.steps.items():
-        spike, continuous = runs.stats[name].spike, _continuous(runs, name)
-        ratio = _leap_ratio(runs, name) * np.divide(spike, steps.largest, out=np.zeros_like(spike), where=spike > 0)
+        spike, largest, continuous = runs.stats[name].spike, runs.stats[name].step, _continuous(runs, name)
+        ratio = _leap_ratio(runs, name) * np.divide(spike, largest, out=np.zeros_like(spike), where=spike > 0)
         wrong = (ratio > _LEAP) & (spike > _SHARE * runs.spans(name)) & continuous & ~is_a_turn(spike, runs.spans(name))
         if name == ACTION:  # a policy may well say what no robot can do
             wrong &= (_quarter(ratio) < _SMOOTH) & (ratio > 1.5 * _LEAP)
@@ -98,14 +98,13 @@ def nothing_leaps_and_comes_back(runs: Runs) -> Iterator[Answer]:
 def no_robot_is_put_back(runs: Runs) -> Iterator[Answer]:
     """Do nearly all episodes begin or end with a leap? Then the robot was put back while it was recorded."""
     for name, steps in runs.steps.items():
-        leaps = (
-            (_leap_ratio(runs, name) > _LEAP) & _continuous(runs, name) & ~is_a_turn(steps.largest, runs.spans(name))
-        )
+        largest = runs.stats[name].step
+        leaps = (_leap_ratio(runs, name) > _LEAP) & _continuous(runs, name) & ~is_a_turn(largest, runs.spans(name))
         for where, is_there in (("first", steps.at <= 1), ("last", steps.at >= runs.n_frames[:, None] - _END)):
             wrong = (leaps & is_there).mean(axis=0) > _MOST
             if wrong.any() and len(runs.number) > 2:
                 column = int(wrong.argmax())
-                size = np.median(steps.largest[(leaps & is_there)[:, column], column])
+                size = np.median(largest[(leaps & is_there)[:, column], column])
                 found = f"a leap of {size:.3g} in the {where} frames of nearly all episodes"
                 mend = "Was the robot put back, or a number not yet there? A policy learns to leap: cut these frames"
                 place = _dim(runs, name, column) + (f" and {int(wrong.sum()) - 1} more" if wrong.sum() > 1 else "")
@@ -207,7 +206,7 @@ def episodes_begin_at_one_place(runs: Runs) -> Iterator[Answer]:
     first = runs.steps[STATE].marks[:, :size].copy()  # (n_runs, size)
     turns = [column for turn in quaternions(runs.claims.schema.features[STATE]) for column in turn]
     first[:, turns] = np.abs(first[:, turns])  # q and -q are one turn
-    ranges, step = runs.spans(STATE), np.quantile(runs.steps[STATE].largest, 0.9, axis=0)
+    ranges, step = runs.spans(STATE), np.quantile(runs.stats[STATE].step, 0.9, axis=0)
     for column in np.flatnonzero(_continuous(runs, STATE)).tolist():
         order = np.argsort(first[:, column], kind="stable")
         gaps = np.diff(first[order, column])
@@ -264,8 +263,9 @@ def nothing_is_clipped(runs: Runs) -> Iterator[Answer]:
         return
     names = {name: features[name].labels for name in (STATE, ACTION)}
     for one, other in ((STATE, ACTION), (ACTION, STATE)):
+        continuous = _continuous(runs, one)
         for column, name in enumerate(names[one]):
-            if names[other].count(name) != 1 or not _continuous(runs, one)[column]:
+            if names[other].count(name) != 1 or not continuous[column]:
                 continue
             beyond = names[other].index(name)
             for end, sign, at in (("low", -1, runs.steps[one].at_low), ("high", 1, runs.steps[one].at_high)):
@@ -319,14 +319,16 @@ def _nearest(steps: RunSteps, size: int) -> tuple[Floats, Ints]:
     if not marks.size:
         return np.full(len(marks), np.nan), np.zeros(len(marks), dtype=np.int64)
     order = np.argsort(np.nansum(marks[:, : marks.shape[1] // 2], axis=(1, 2)), kind="stable")
+    marks = marks[order]
+    moves = (np.abs(np.diff(marks, axis=1)) > _MOVED).sum(axis=(1, 2))
     distance, neighbour = np.full(len(marks), np.nan), np.zeros(len(marks), dtype=np.int64)
     for ahead in range(1, min(_NEIGHBOURS, len(order) - 1) + 1):
         one, other = order[:-ahead], order[ahead:]
-        apart = np.square(marks[one] - marks[other]).mean(axis=2)  # (n, n_marks)
+        between = marks[:-ahead] - marks[ahead:]
+        apart = np.einsum("nmc,nmc->nm", between, between) / marks.shape[2]  # (n, n_marks)
         common = np.isfinite(apart).sum(axis=1)
         far = np.sqrt(np.nansum(apart, axis=1) / np.maximum(common, 1))
-        common_moves = (np.abs(np.diff(marks[one], axis=1)) > _MOVED).sum(axis=(1, 2))
-        far[(common < _COMMON) | (common_moves < _TELLING)] = np.nan
+        far[(common < _COMMON) | (moves[:-ahead] < _TELLING)] = np.nan
         for mine, its in ((one, other), (other, one)):
             closer = far < np.where(np.isnan(distance[mine]), np.inf, distance[mine])
             distance[mine[closer]], neighbour[mine[closer]] = far[closer], its[closer]
@@ -335,10 +337,10 @@ def _nearest(steps: RunSteps, size: int) -> tuple[Floats, Ints]:
 
 def _leap_ratio(runs: Runs, name: str) -> Floats:
     """Say how many times larger than the others of its run, on average, the largest step is, (n_runs, size)."""
-    steps = runs.steps[name]
-    rest = (steps.path - steps.largest) / np.maximum(runs.n_frames[:, None] - 2, 1)
+    largest = runs.stats[name].step
+    rest = (runs.steps[name].path - largest) / np.maximum(runs.n_frames[:, None] - 2, 1)
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = steps.largest / np.maximum(rest, 1e-300)
+        ratio = largest / np.maximum(rest, 1e-300)
     return np.where((rest > 0) & (runs.n_frames[:, None] >= MIN_FRAMES), ratio, 0.0)
 
 

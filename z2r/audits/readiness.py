@@ -8,10 +8,10 @@ from types import MappingProxyType
 
 import numpy as np
 
-from z2r.arrays import Array, Ints
+from z2r.arrays import Array, Floats, Ints
 from z2r.audits import edit
 from z2r.audits.claims import Claims
-from z2r.audits.frames import FileFrames
+from z2r.audits.frames import FileFrames, RunStats
 from z2r.audits.runs import Runs
 from z2r.check import Answer, Check
 from z2r.errors import Fault, count, some
@@ -27,6 +27,7 @@ _FEW = 20  # frames: in fewer, a value may well be the same by chance
 _STILL = 0.05  # of the standard deviation: what jitter there is stays within
 _IDLE_SECONDS, _IDLE_SHARE = 2.0, 0.2  # a standstill that is both longer than that, and more of the episode
 _SHORT = 0.1  # of the median length
+_AT_ONCE = 8  # frames of each run, in which most begin to move
 
 
 @Check("policy-features", "there is an `action`, and something that is observed", "warning").of(Claims)
@@ -113,31 +114,47 @@ def chunk(claims: Claims) -> Iterator[Answer]:
         yield Fault(DATA_DIR, episodes, "; ".join(said), "episodes into which a chunk fits", mend, named)
 
 
-def fold_idle(frames: FileFrames) -> Ints | None:
+def fold_idle(frames: FileFrames, stats: Mapping[str, RunStats]) -> Ints | None:
     """Count the frames of each run in which nothing moves, int64[n_runs, 2]: in the beginning, and in the end.
 
     None where there is neither a state nor an action, or one of them cannot be read.
     """
     names = [name for name in (STATE, ACTION) if name in frames.schema.signals()]
-    if not names or any(name not in frames.signals for name in names):
+    if not names or any(name not in stats for name in names):
         return None
-    return standstill([column for name in names for column in frames.signals[name].T], frames.run_starts)
+    reach = [_STILL * stats[name].together().std[0] for name in names]
+    return standstill([frames.signals[name] for name in names], reach, frames.run_starts)
 
 
-def standstill(columns: Sequence[Array], starts: Ints) -> Ints:
+def standstill(features: Sequence[Array], reach: Sequence[Floats], starts: Ints) -> Ints:
     """Count the frames in which no column is away from where its run begins, and ends, int64[n_runs, 2].
 
-    Away is what is further off than a twentieth of the standard deviation of the column, over all runs.
+    Parameters
+    ----------
+    features : sequence of ndarray, (n_rows, size)
+        Of the same rows.
+    reach : sequence of ndarray, float64[size]
+        For each of them, how far off each of its columns must be to be away.
+    starts : ndarray, int64[n_runs]
+        The first row of each run.
     """
-    n = len(columns[0])
-    stops = np.append(starts[1:], n)
-    away = np.zeros((2, n), dtype=bool)
-    for column in columns:
-        values = column.astype(np.float64)
-        reach = _STILL * values.std()
-        for side, place in enumerate((starts, stops - 1)):
-            away[side] |= np.abs(values - np.repeat(values[place], stops - starts)) > reach
-    row = np.arange(n)
-    first = np.minimum.reduceat(np.where(away[0], row, n), starts)
-    last = np.maximum.reduceat(np.where(away[1], row, -1), starts)
-    return np.stack([np.minimum(first, stops) - starts, stops - 1 - np.maximum(last, starts - 1)], axis=1)
+    length = np.diff(starts, append=len(features[0]))
+    ways = ((starts, 1), (starts + length - 1, -1))
+    return np.stack([_rest(features, reach, first, step, length) for first, step in ways], axis=1)
+
+
+def _rest(features: Sequence[Array], reach: Sequence[Floats], first: Ints, step: int, length: Ints) -> Ints:
+    """Count the frames from `first` on, by `step`, in which no column is away from where it is there: int64[n_runs]."""
+    rest, left, seen = length.copy(), np.arange(len(first)), 0
+    while len(left):  # as most runs do not rest long, look at a few frames of each, then at twice as many of the others
+        ahead = np.minimum(np.arange(seen, 2 * seen + _AT_ONCE), length[left, None] - 1)
+        rows = first[left, None] + step * ahead  # (n_left, n_ahead)
+        away = np.zeros(rows.shape, dtype=bool)
+        for values, far in zip(features, reach, strict=True):
+            from_first = values[rows].astype(np.float64) - values[first[left], None]
+            away |= (np.abs(from_first) > far).any(axis=2)
+        found = away.any(axis=1)
+        rest[left[found]] = seen + away[found].argmax(axis=1)
+        seen += ahead.shape[1]
+        left = left[~found & (seen < length[left])]
+    return rest

@@ -113,19 +113,12 @@ def _flat(runs: Runs) -> dict[str, RunStats]:
 
 
 def _of_each(stats: RunStats, runs: Ints) -> Statistics:
-    n = stats.n[runs, None]
-    return _statistics(n, stats.low[runs], stats.high[runs], stats.mean[runs], stats.squares[runs])
+    columns = {"min": stats.low, "max": stats.high, "mean": stats.mean, "std": stats.std}
+    return {"count": stats.n[runs, None], **{kind: values[runs] for kind, values in columns.items()}}
 
 
 def _of_all(stats: RunStats) -> Statistics:
-    n, weight = np.array([stats.n.sum()]), stats.n[:, None]
-    mean: Floats = (stats.mean * weight).sum(axis=0) / n
-    squares = (stats.squares + weight * np.square(stats.mean - mean)).sum(axis=0)
-    return _statistics(n, stats.low.min(axis=0), stats.high.max(axis=0), mean, squares)
-
-
-def _statistics(n: Floats, low: Floats, high: Floats, mean: Floats, squares: Floats) -> Statistics:
-    return {"count": n, "min": low, "max": high, "mean": mean, "std": np.sqrt(squares / n)}
+    return {kind: values[0] for kind, values in _of_each(stats.together(), np.array([0])).items()}
 
 
 def _close(true: Statistics) -> Floats:

@@ -1,14 +1,15 @@
 """How does each column go from frame to frame? Summed up for each run of frames, so that no file stays in memory."""
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from z2r.arrays import Array, Bools, Floats, Ints
+from z2r.audits.frames import RunStats
 from z2r.format.schema import ACTION
 
-_STILL = 6  # frames: a shorter rest tells nothing
+_STILL = 6  # frames: a shorter rest tells nothing (`_stalls` looks for as many)
 _AFTER = 5  # frames after a leap, with which it is compared
 _MARKS = 12  # frames of a run, evenly from its start, which tell one demonstration from another
 _TURNS, _A_TURN = (2 * np.pi, 360.0), 0.05  # rad and deg; of it: so much may come to it in one frame
@@ -20,8 +21,8 @@ class RunSteps(NamedTuple):
 
     Attributes
     ----------
-    largest, at, around : ndarray
-        The largest step, the frame of its run to which it leads, and the larger one of the steps before and after it.
+    at, around : ndarray
+        The frame of its run to which the largest step leads, and the larger one of the steps before and after it.
     path : ndarray
         The sum of the sizes of all steps.
     moves : ndarray
@@ -42,7 +43,6 @@ class RunSteps(NamedTuple):
         Some frames, a quarter of a second apart: what tells a demonstration from another. NaN beyond its end.
     """
 
-    largest: Floats
     at: Floats
     around: Floats
     path: Floats
@@ -85,23 +85,52 @@ def is_a_turn(steps: Floats | float, spans: Floats | float) -> Bools:
     return a_turn
 
 
-def run_of_each(starts: Ints, n_rows: int) -> Ints:
-    """Return the run that each row is in, int64[n_rows]."""
-    begins = np.zeros(n_rows, dtype=np.int64)
-    begins[starts[(starts > 0) & (starts < n_rows)]] = 1
-    return np.cumsum(begins)
+def run_sums(values: Array, starts: Ints, fps: float) -> tuple[RunStats, RunSteps]:
+    """Sum up one feature for each run; a run begins at each of `starts` and ends where the next begins.
 
-
-def run_steps(values: Array, starts: Ints, fps: float) -> RunSteps:
-    """Sum up one feature for each run; a run begins at each of `starts` and ends where the next begins."""
-    run = run_of_each(starts, len(values))
+    Parameters
+    ----------
+    values : ndarray, (n_rows, size)
+        All finite; there is at least one row.
+    starts : ndarray, int64[n_runs]
+        The first of them is 0.
+    fps : float
+        Frames per second, by which `RunSteps.marks` are chosen.
+    """
+    count = np.diff(starts, append=len(values))
     moving = np.zeros(len(values), dtype=bool)
-    columns = []
+    stats, steps = [], []
+    # One column after another: numpy reduces adjacent numbers many times faster, and what is at hand stays in a cache.
     for column in values.T:
-        columns.append(_column_steps(column.astype(np.float64), run, starts))
-        moving[1:] |= column[1:] != column[:-1]
-    stacked = {name: np.stack([column[name] for column in columns], axis=1) for name in columns[0]}
-    return RunSteps(**stacked, repeated=_repeated(moving, starts)[:, None], marks=_marks(values, starts, fps))
+        numbers = column.astype(np.float64)
+        change = change_in_runs(numbers, starts)
+        size = np.abs(change)
+        moving |= size > 0
+        stats.append(_column_stats(numbers, change, size, starts, count))
+        steps.append(_column_steps(numbers, change, size, stats[-1]["step"], starts, count))
+    return (
+        RunStats(n=count.astype(np.float64), **_stacked(stats)),
+        RunSteps(**_stacked(steps), repeated=_repeated(moving, starts)[:, None], marks=_marks(values, starts, fps)),
+    )
+
+
+def change_in_runs(values: Floats, starts: Ints) -> Floats:
+    """Return the change from the frame before, 0 in the first of each run: float64[n_rows]."""
+    change = np.zeros(len(values))
+    np.subtract(values[1:], values[:-1], out=change[1:])
+    change[starts] = 0
+    return change
+
+
+def count_in_runs(those: Bools, starts: Ints) -> Floats:
+    """Count in each run the rows that are so: float64[n_runs]."""
+    n: Floats = np.add.reduceat(those.view(np.uint8), starts, dtype=np.int64).astype(np.float64)
+    return n
+
+
+def run_of(rows: Ints, starts: Ints) -> Ints:
+    """Return the run that each of some rows is in, int64[n]."""
+    return np.searchsorted(starts, rows, side="right") - 1
 
 
 def join_steps(parts: Sequence[RunSteps]) -> RunSteps:
@@ -109,50 +138,73 @@ def join_steps(parts: Sequence[RunSteps]) -> RunSteps:
     return RunSteps(*(np.concatenate(each) for each in zip(*parts, strict=True)))
 
 
-def _column_steps(values: Floats, run: Ints, starts: Ints) -> dict[str, Any]:
-    steps = np.diff(values, prepend=0.0)
-    steps[starts] = 0
-    size = np.abs(steps)
-    largest = np.maximum.reduceat(size, starts)
-    at, around = np.zeros(len(starts)), np.zeros(len(starts))
-    hits = np.flatnonzero(size == largest[run])[::-1]  # the first of each run is written last
-    at[run[hits]] = hits - starts[run[hits]]
-    after = np.where(run[np.minimum(hits + 1, len(run) - 1)] == run[hits], size[np.minimum(hits + 1, len(run) - 1)], 0)
-    around[run[hits]] = np.maximum(size[np.maximum(hits - 1, 0)], after)  # of the first frame of a run it is 0
-    third = np.zeros(len(steps))
-    third[3:] = steps[3:] - 2 * steps[2:-1] + steps[1:-2]
-    for place in range(3):
-        third[np.minimum(starts + place, len(steps) - 1)] = 0  # which would reach into the run before
+def _stacked(columns: Sequence[dict[str, Floats]]) -> dict[str, Floats]:
+    return {name: np.stack([column[name] for column in columns], axis=1) for name in columns[0]}
+
+
+def _column_stats(values: Floats, change: Floats, size: Floats, starts: Ints, count: Ints) -> dict[str, Floats]:
+    mean = np.add.reduceat(values, starts) / count
+    back = np.zeros(len(change))
+    np.negative(change[1:], out=back[:-1])
+    up = np.maximum.reduceat(np.minimum(change, back), starts)  # there and back again, or nothing
+    down = np.minimum.reduceat(np.maximum(change, back), starts)
     return {
-        "largest": largest,
-        "at": at,
-        "around": around,
-        "path": np.add.reduceat(size, starts),
-        "moves": np.add.reduceat((steps != 0).astype(np.float64), starts),
-        "at_low": np.add.reduceat((values == values.min()).astype(np.float64), starts),
-        "at_high": np.add.reduceat((values == values.max()).astype(np.float64), starts),
-        "noise": np.add.reduceat(np.abs(third), starts),
-        "jerks": np.add.reduceat(np.square(third), starts),
-        "alternates": np.add.reduceat(third * np.append(third[1:], 0.0), starts),
-        **_stalls(size, run, starts),
+        "low": np.minimum.reduceat(values, starts),
+        "high": np.maximum.reduceat(values, starts),
+        "mean": mean,
+        "squares": np.add.reduceat(np.square(values - np.repeat(mean, count)), starts),
+        "step": np.maximum.reduceat(size, starts),
+        "spike": np.maximum(up, -down),
     }
 
 
-def _stalls(size: Floats, run: Ints, starts: Ints) -> dict[str, Any]:
+def _column_steps(
+    values: Floats, change: Floats, size: Floats, largest: Floats, starts: Ints, count: Ints
+) -> dict[str, Floats]:
+    at, around = np.zeros(len(starts)), np.zeros(len(starts))
+    hits = np.flatnonzero(size == np.repeat(largest, count))[::-1]  # the first of each run is written last
+    run = run_of(hits, starts)
+    at[run] = hits - starts[run]
+    around[run] = np.maximum(size[np.maximum(hits - 1, 0)], np.append(size, 0)[hits + 1])  # 0 where a run begins
+    third = np.zeros(len(size))
+    second = change[1:] - change[:-1]
+    np.subtract(second[2:], second[1:-1], out=third[3:])
+    for place in range(3):
+        third[np.minimum(starts + place, len(third) - 1)] = 0  # which would reach into the run before
+    moving = size > 0
+    return {
+        "at": at,
+        "around": around,
+        "path": np.add.reduceat(size, starts),
+        "moves": count_in_runs(moving, starts),
+        "at_low": count_in_runs(values == values.min(), starts),
+        "at_high": count_in_runs(values == values.max(), starts),
+        "noise": np.add.reduceat(np.abs(third), starts),
+        "jerks": np.add.reduceat(np.square(third), starts),
+        "alternates": np.add.reduceat(third * np.append(third[1:], 0.0), starts),
+        **_stalls(size, moving, starts, count),
+    }
+
+
+def _stalls(size: Floats, moving: Bools, starts: Ints, count: Ints) -> dict[str, Floats]:
     """Find the worst leap after a rest in each run, by how far it goes compared with the largest step soon after it."""
-    found = {name: np.zeros(len(starts)) for name in ("stall", "stall_leap", "stall_at", "stall_length")}
-    moves = np.flatnonzero(size)
-    before = np.maximum(np.concatenate([[-1], moves[:-1]])[: len(moves)], starts[run[moves]])
-    rest = moves - before - 1
-    leaps = np.flatnonzero((rest >= _STILL) & (moves + _AFTER < len(size)))
-    frames = moves[leaps]
-    frames_after = frames[:, None] + 1 + np.arange(_AFTER)  # (n_leaps, 5)
-    inside = run[frames_after[:, -1]] == run[frames] if len(frames) else np.zeros(0, dtype=bool)
-    frames, rest, after = frames[inside], rest[leaps][inside], size[frames_after[inside]]
+    names = ("stall", "stall_leap", "stall_at", "stall_length")
+    found: dict[str, Floats] = {name: np.zeros(len(starts)) for name in names}
+    ends = moving.copy()
+    ends[starts] = True  # a rest ends where something moves, or the run does
+    still = ~ends
+    two = still[:-1] & still[1:]
+    six = two[:-4] & two[2:-2] & two[4:]  # _STILL in a row, from each on
+    frames = np.flatnonzero(six[:-1] & moving[_STILL:]) + _STILL
+    frames = frames[frames + _AFTER < (starts + count)[run_of(frames, starts)]]
+    run = run_of(frames, starts)
+    marks = np.flatnonzero(ends) if len(frames) else frames
+    rest = frames - 1 - marks[np.searchsorted(marks, frames) - 1]
+    after = size[frames[:, None] + 1 + np.arange(_AFTER)]  # (n_leaps, 5)
     ratio = size[frames] / np.maximum(after.max(axis=1, initial=0), 1e-300)
     ratio[(after > 0).sum(axis=1) < _AFTER - 1] = 0  # it does not go on: a switch
     order = np.argsort(ratio, kind="stable")  # the worst of each run is written last
-    frames, where = frames[order], run[frames[order]]
+    frames, where = frames[order], run[order]
     worst = ratio[order], size[frames], frames - starts[where], rest[order]
     for name, values in zip(found, worst, strict=True):
         found[name][where] = values
@@ -160,12 +212,10 @@ def _stalls(size: Floats, run: Ints, starts: Ints) -> dict[str, Any]:
 
 
 def _repeated(moving: Bools, starts: Ints) -> Floats:
-    moving[starts] = False
-    between = np.zeros(len(moving))
+    between = np.zeros(len(moving), dtype=bool)
     between[1:-1] = ~moving[1:-1] & moving[:-2] & moving[2:]
-    between[starts] = 0
-    repeated: Floats = np.add.reduceat(between, starts)
-    return repeated
+    between[starts] = False
+    return count_in_runs(between, starts)
 
 
 def _marks(values: Array, starts: Ints, fps: float) -> Floats:

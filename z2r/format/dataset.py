@@ -23,7 +23,7 @@ from z2r.format.misread import Misread
 from z2r.format.parquet import open_parquet, read_columns, vectors
 from z2r.format.schema import ACTION, STATE, Schema, read_schema
 from z2r.format.store import folder_name, inside
-from z2r.format.tables import join_shards, read_shard
+from z2r.format.tables import DataColumns, join_shards, read_shard
 
 # Each thread holds one data file in memory: more threads than this would trade memory for little time.
 _MAX_THREADS = 4
@@ -177,6 +177,21 @@ def read_frames(root: Path, schema: Schema, file: DataFile, features: Sequence[s
     for name in {STATE, ACTION}.intersection(features):
         rules.raise_first(root, rules.finite(path, name, schema.features[name], frames[name]))
     return frames
+
+
+def frames_of(
+    read: DataColumns, root: Path, schema: Schema, file: DataFile, features: Sequence[str], n_rows: int
+) -> Columns:
+    """Return what `read_frames` does, of a file that `read_data_file` read.
+
+    Raises
+    ------
+    DatasetError
+        As `read_frames`, which reads the file again where something is wrong with it.
+    """
+    if read.n_rows == file.to_index - file.from_index and set(features) <= set(read.frames):
+        return {name: read.frames[name][:n_rows] for name in features}
+    return read_frames(root, schema, file, features, n_rows)
 
 
 def in_order[A, T](function: Callable[[A], T], items: Sequence[A], executor: Executor | None = None) -> Iterator[T]:

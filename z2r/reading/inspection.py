@@ -4,6 +4,7 @@ The summary is a fold over the data files: each file gives one row for every epi
 rows are merged at the end. Nothing else of a file is kept, but the first frames where somebody wants to draw them.
 """
 
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from typing import Any
@@ -243,11 +244,35 @@ def inspect_dataset(
     """
     if mode:
         dataset, reading = mode.believe(dataset, reading)
+    fold = fold_for(dataset, keep, episode)
+    parts = map_files(dataset, list(dataset.schema.signals()), fold, progress, executor)
+    return sum_up(dataset, parts, mode, reading, keep, episode)
+
+
+def fold_for(dataset: Dataset, keep: int = 0, episode: int | None = None) -> Callable[[DataFile, Columns], "FileSums"]:
+    """Return what sums up one data file of a dataset; it survives pickling.
+
+    Raises
+    ------
+    ValueError
+        If there is no such episode.
+    """
+    first = int(_wanted(dataset, episode).from_index[0])
+    windows, sampled = sample_windows(dataset.episodes), sampled_features(dataset.schema)
+    return _Fold(dataset.episodes, first, first + keep, windows, sampled)
+
+
+def sum_up(
+    dataset: Dataset,
+    parts: Sequence["FileSums"],
+    mode: BreakMode | None = None,
+    reading: Reading | None = None,
+    keep: int = 0,
+    episode: int | None = None,
+) -> Inspection:
+    """Put together what `fold_for` made of all data files, in the order of their frames."""
     schema, missing = dataset.schema, reading.missing(dataset.schema) if reading else ()
-    wanted = dataset.episodes if episode is None else dataset.episodes.one(episode)
-    first, windows = int(wanted.from_index[0]), sample_windows(dataset.episodes)
-    fold = _Fold(dataset.episodes, first, first + keep, windows, sampled_features(schema))
-    parts = map_files(dataset, list(schema.signals()), fold, progress, executor)
+    wanted, windows = _wanted(dataset, episode), sample_windows(dataset.episodes)
     sums = _merge([part.sums for part in parts])
     fits = reading if reading and not missing else None
     ends = {"first": sums.first, "last": sums.last}
@@ -268,7 +293,7 @@ def inspect_dataset(
         action=infer_action(sample_of(_joined([part.sample for part in parts]), windows, schema), _units(fits, schema)),
         shown=beginning(wanted, keep),
         kept=_joined([part.kept for part in parts]) if keep else {},
-        kept_from=first,
+        kept_from=int(wanted.from_index[0]),
         about=read_about(dataset.root, schema, dataset.episodes.numbers),
     )
 
@@ -311,7 +336,7 @@ class _EpisodeSums:
 
 
 @dataclass(frozen=True, eq=False)
-class _FileSums:
+class FileSums:
     """What is kept of one data file."""
 
     sums: _EpisodeSums
@@ -331,7 +356,7 @@ class _Fold:
     windows: EpisodeIndex
     sampled: tuple[str, ...]
 
-    def __call__(self, file: DataFile, frames: Columns) -> _FileSums:
+    def __call__(self, file: DataFile, frames: Columns) -> FileSums:
         place, starts, stops = parts_within(self.episodes, file.from_index, file.to_index)
         kept = slice(max(self.keep_from - file.from_index, 0), max(self.keep_to - file.from_index, 0))
         sums = _EpisodeSums(
@@ -347,7 +372,11 @@ class _Fold:
         _, starts, stops = parts_within(self.windows, file.from_index, file.to_index)
         rows = EpisodeIndex(starts, stops).frame_numbers
         sample = {name: frames[name][rows] for name in self.sampled}
-        return _FileSums(sums, total, first_frames, sample, levels_of(frames.get(REWARD, np.empty(0))))
+        return FileSums(sums, total, first_frames, sample, levels_of(frames.get(REWARD, np.empty(0))))
+
+
+def _wanted(dataset: Dataset, episode: int | None) -> EpisodeIndex:
+    return dataset.episodes if episode is None else dataset.episodes.one(episode)
 
 
 def _merge(parts: list[_EpisodeSums]) -> _EpisodeSums:
