@@ -23,7 +23,7 @@ _UNREADABLE = (pa.ArrowException, OSError, UnicodeDecodeError)
 _NUMERIC = "numbers, one for each frame"
 _MAX_NUMBERS = 2**28  # at a time: 1 GiB of float32
 _MAX_NUMBERS_OF_A_FILE = 2**32  # in blocks: what a footer claims beyond that is no recording
-_BLOCK = 2**22  # numbers: 16 MiB of float32
+_BLOCK = 2**21  # numbers: 8 MiB of float32
 _MAX_BLOBS, _MAX_BLOB_BYTES = 64, 2**27  # at a time
 
 
