@@ -1,13 +1,17 @@
 import json
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
+from pathlib import Path
 
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
-from layouts import lay_out
+from layouts import data_files, lay_out, to_arrow, to_numpy
 from test_dataset import oracle
 
 import z2r
+from z2r.format import parquet
+from z2r.format.dataset import map_files
 from z2r.pusht.world import PUSHT
 from z2r.reading.breaks import BREAK_MODES
 from z2r.reading.inspection import metrics_json
@@ -196,3 +200,46 @@ def test_processes_inspect_like_threads(recorded):
     assert by_processes.metrics("x", 0) == by_threads.metrics("x", 0)
     for name, kept in by_threads.kept.items():
         np.testing.assert_array_equal(by_processes.kept[name], kept)
+
+
+def regroup(root: Path, rows_per_group: int) -> None:
+    for path in data_files(root):
+        pq.write_table(pq.read_table(path), path, row_group_size=rows_per_group)
+
+
+@pytest.mark.parametrize("rows_per_group", [1, 7, 100, 10**6])
+@pytest.mark.parametrize("numbers", [1, 12 * 50, 12 * 10**6])
+def test_a_file_in_blocks_is_what_it_is_as_a_whole(rows_per_group, numbers, standin_copy, monkeypatch):
+    dataset = z2r.load(standin_copy)
+    whole, action = z2r.inspect_dataset(dataset, keep=200), dataset.read("action")
+    regroup(standin_copy, rows_per_group)
+    monkeypatch.setattr(parquet, "_BLOCK", numbers)
+    found = z2r.inspect_dataset(dataset, keep=200)
+    assert found.metrics("", None) == whole.metrics("", None)
+    for name, ranges in whole.ranges.items():
+        np.testing.assert_array_equal(found.ranges[name].low, ranges.low)
+        np.testing.assert_array_equal(found.ranges[name].high, ranges.high)
+        np.testing.assert_allclose(found.ranges[name].mean, ranges.mean, rtol=1e-12)
+        np.testing.assert_array_equal(found.kept[name], whole.kept[name])
+    np.testing.assert_array_equal(dataset.read("action"), action)
+    np.testing.assert_array_equal(dataset.first(3).read("action"), action[: dataset.episodes.to_index[2]])
+
+
+def test_a_fault_in_a_later_block_says_from_where_its_row_is_counted(standin_copy, monkeypatch):
+    [path] = data_files(standin_copy)
+    table = pq.read_table(path)
+    state = to_numpy(table["observation.state"]).copy()
+    state[130, 2] = np.nan
+    place = table.column_names.index("observation.state")
+    pq.write_table(table.set_column(place, "observation.state", to_arrow(state)), path, row_group_size=60)
+    monkeypatch.setattr(parquet, "_BLOCK", 12 * 60)
+    with pytest.raises(z2r.DatasetError, match="in row 10, counted from row 120 on"):
+        z2r.inspect_dataset(z2r.load(standin_copy))
+
+
+def test_a_block_is_all_that_is_read_at_a_time(standin_copy, monkeypatch):
+    regroup(standin_copy, 10**6)
+    monkeypatch.setattr(parquet, "_BLOCK", 12 * 50)
+    sizes = map_files(z2r.load(standin_copy), ["observation.state", "action"], lambda _, frames: len(frames["action"]))
+    assert max(sizes) == 50
+    assert sum(sizes) == 427

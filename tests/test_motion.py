@@ -124,6 +124,19 @@ def test_lag_and_factor_of_a_joint_are_those_that_it_was_made_with(lag, factor, 
     assert found.factor[:, 0] == pytest.approx(factor, rel=0.05)
 
 
+@given(
+    value=st.floats(-1e3, 1e3), still=st.sampled_from(["action", "observation.state"]), seed=st.integers(0, 2**32 - 1)
+)
+def test_nothing_follows_where_nothing_moves(value, still, seed):
+    action, state = (each[:, None] for each in lagging(400, 3, 1.0, 0.01, np.random.default_rng(seed)))
+    columns = {"action": action, "observation.state": state}
+    columns[still][100:300] = value  # the second of three runs, and both ends of it
+    pair = Pair(0, "observation.state", 0, "action", "observation.state")
+    found = fold_following([pair], columns, np.array([0, 100, 300]))
+    assert found.explained[1, 0] == 0
+    assert np.isnan(found.lag[1, 0])
+
+
 def test_runs_are_summed_up_as_a_loop_over_frames_does():
     rng = np.random.default_rng(5)
     values = np.round(np.cumsum(rng.normal(size=(300, 2)), axis=0), 1).astype(np.float32)
@@ -135,6 +148,13 @@ def test_runs_are_summed_up_as_a_loop_over_frames_does():
         assert found.moves[run].tolist() == (steps > 0).sum(axis=0).tolist()
         if len(part) > 1:
             assert stats.step[run] == pytest.approx(steps.max(axis=0))
-            assert found.at[run].tolist() == (1 + steps.argmax(axis=0)).tolist()
+            at = steps.argmax(axis=0)
+            assert found.at[run].tolist() == (1 + at).tolist()
+            around = np.pad(steps, ((1, 1), (0, 0)))
+            beside = [max(around[each, column], around[each + 2, column]) for column, each in enumerate(at)]
+            assert found.around[run].tolist() == pytest.approx(beside)
+            signed = np.diff(part, axis=0)
+            back = np.where(signed[1:] * signed[:-1] < 0, np.minimum(steps[1:], steps[:-1]), 0)
+            assert stats.spike[run] == pytest.approx(back.max(axis=0))
         third = np.abs(np.diff(part, n=3, axis=0))
         assert found.noise[run] == pytest.approx(third.sum(axis=0) if len(third) else np.zeros(2))

@@ -90,7 +90,7 @@ with contextlib.suppress(SystemExit):
     main()
 print(json.dumps(opens))
 """
-COMMANDS = ("inspect --no-rerun", "inspect --rerun", "report --no-audit", "audit")
+COMMANDS = ("inspect --no-rerun", "inspect --rerun", "report --no-audit", "report", "audit")
 
 
 def run_process(command: list[str], cwd: Path) -> Process:
@@ -362,7 +362,7 @@ def main() -> None:
             replay_against_rows(small, scratch, min(args.runs, 3)),
             command_against_inspect("report --no-audit", 3, big, scratch, args.runs),
             size_of_page(scratch / "z2r-out/report.html"),
-            command_against_inspect("audit", 5, real, scratch, args.runs),
+            command_against_inspect("audit", 3, real, scratch, args.runs),
             command_against_inspect("report", 3, real, scratch, args.runs),
             replay_against_reading(scratch, args.runs),
             import_against_bare_interpreter(scratch, args.runs),

@@ -331,8 +331,9 @@ def _explained(asked: Floats, seen: Floats) -> Floats:
     seen, asked, ones = seen - seen.mean(), asked - asked.mean(), np.ones(len(asked))
     both: Any = np.correlate(seen, asked, "valid")
     sums, squares = np.correlate(seen, ones, "valid"), np.correlate(np.square(seen), ones, "valid")
-    whole: Floats = (squares - np.square(sums) / len(asked)) * (asked @ asked)
-    return _share(both, whole)
+    spread = squares - np.square(sums) / len(asked)
+    spread[spread <= _ROUNDING * squares] = 0  # of what stands still, nothing
+    return _share(both, spread * (asked @ asked) * bool(np.ptp(asked)))
 
 
 def _share(both: Floats, whole: Floats) -> Floats:

@@ -14,10 +14,12 @@ from itertools import chain
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
 
 from z2r.arrays import Array, Columns, Progress, no_progress
-from z2r.errors import printable
-from z2r.format import rules
+from z2r.errors import DatasetError, printable
+from z2r.format import parquet, rules
 from z2r.format.episodes import DataFile, EpisodeIndex, EpisodeTable, shard_paths
 from z2r.format.misread import Misread
 from z2r.format.parquet import open_parquet, read_columns, vectors
@@ -114,9 +116,9 @@ def map_files[T](
     progress: Progress = no_progress,
     executor: Executor | None = None,
 ) -> list[T]:
-    """Read the data files, some at a time, and keep only what `fold` makes of each.
+    """Read the data files, some at a time, and keep only what `fold` makes of each, or of each block of a large one.
 
-    Memory is bounded by the files in flight, one for each worker, and not by their number.
+    Memory is bounded by what is in flight, a block for each worker, and not by the number of files or their size.
 
     Parameters
     ----------
@@ -125,8 +127,8 @@ def map_files[T](
     features : sequence of str
         Numeric features.
     fold : callable
-        Takes a file and its frames: a dict of feature to array, (n_rows, size). Where the executor runs in other
-        processes, it and what it returns must survive pickling.
+        Takes a file, which says what frames of it a block has, and these: a dict of feature to array, (n_rows, size).
+        Where the executor runs in other processes, it and what it returns must survive pickling.
     progress : callable, optional
         Called with the number of frames done and the number of all, after each file.
     executor : Executor, optional
@@ -135,7 +137,7 @@ def map_files[T](
     Returns
     -------
     list
-        What `fold` returned, in the order of the files.
+        What `fold` returned, in the order of the frames.
 
     Raises
     ------
@@ -147,10 +149,11 @@ def map_files[T](
     if dataset.misread:
         fold = partial(_fold_misread, dataset.misread, dataset.episodes, tuple(features), fold)
         features = tuple(dict.fromkeys((*features, *dataset.misread.needed)))
-    work = partial(_read_and_fold, dataset.root, dataset.schema, tuple(features), fold, end)
+    read = _whole if dataset.misread else read_blocks  # what is made of an episode may depend on all of its frames
+    work = partial(_read_and_fold, read, dataset.root, dataset.schema, tuple(features), fold, end)
     results: list[T] = []
-    for file, result in zip(files, in_order(work, files, executor), strict=True):
-        results.append(result)
+    for file, parts in zip(files, in_order(work, files, executor), strict=True):
+        results += parts
         progress(min(file.to_index, end), end)
     return results
 
@@ -168,13 +171,48 @@ def read_frames(root: Path, schema: Schema, file: DataFile, features: Sequence[s
         If the file is missing or damaged, has another number of rows than the episode index gives it, lacks a feature,
         or has NaN or infinity in the state or the action.
     """
-    path = file.path.relative_to(root)
-    parquet = open_parquet(file.path)
-    rules.raise_first(root, rules.file_rows(path, parquet.metadata.num_rows, file.to_index - file.from_index))
-    rules.raise_first(root, rules.missing_columns(path, features, parquet.schema_arrow.names))
-    table = read_columns(parquet, file.path, features, n_rows)
+    table = read_columns(_checked(root, file, features), file.path, features, n_rows)
+    return _columns(root, schema, file, features, table, n_rows)
+
+
+def read_blocks(
+    root: Path, schema: Schema, file: DataFile, features: Sequence[str], n_rows: int
+) -> Iterator[tuple[DataFile, Columns]]:
+    """Read what `read_frames` does, some frames at a time, each with which frames of the file they are.
+
+    Raises
+    ------
+    DatasetError
+        As `read_frames`; rows are counted from the first of those frames on.
+    """
+    first = file.from_index
+    for table in parquet.read_blocks(_checked(root, file, features), file.path, features, n_rows):
+        last = min(first + len(table), file.from_index + n_rows)
+        try:
+            frames = _columns(root, schema, file, features, table, last - first)
+        except DatasetError as error:
+            if first == file.from_index:
+                raise
+            place = f"{error.fault.field}, counted from row {first - file.from_index} on"
+            raise DatasetError(error.fault._replace(field=place)) from None
+        yield replace(file, from_index=first, to_index=last), frames
+        first = last
+
+
+def _checked(root: Path, file: DataFile, features: Sequence[str]) -> pq.ParquetFile:
+    """Open a data file that has the rows and the columns that it should have."""
+    path, opened = file.path.relative_to(root), open_parquet(file.path)
+    rules.raise_first(root, rules.file_rows(path, opened.metadata.num_rows, file.to_index - file.from_index))
+    rules.raise_first(root, rules.missing_columns(path, features, opened.schema_arrow.names))
+    return opened
+
+
+def _columns(
+    root: Path, schema: Schema, file: DataFile, features: Sequence[str], table: pa.Table, n_rows: int
+) -> Columns:
     frames = {name: vectors(table, name, schema.features[name].shape, file.path)[:n_rows] for name in features}
     for name in {STATE, ACTION}.intersection(features):
+        path = file.path.relative_to(root)
         rules.raise_first(root, rules.finite(path, name, schema.features[name], frames[name]))
     return frames
 
@@ -224,14 +262,22 @@ def in_order[A, T](function: Callable[[A], T], items: Sequence[A], executor: Exe
 
 
 def _read_and_fold[T](
+    read: Callable[[Path, Schema, DataFile, Sequence[str], int], Iterator[tuple[DataFile, Columns]]],
     root: Path,
     schema: Schema,
     features: Sequence[str],
     fold: Callable[[DataFile, Columns], T],
     end: int,
     file: DataFile,
-) -> T:
-    return fold(file, read_frames(root, schema, file, features, min(file.to_index, end) - file.from_index))
+) -> list[T]:
+    blocks = read(root, schema, file, features, min(file.to_index, end) - file.from_index)
+    return [fold(block, frames) for block, frames in blocks]
+
+
+def _whole(
+    root: Path, schema: Schema, file: DataFile, features: Sequence[str], n_rows: int
+) -> Iterator[tuple[DataFile, Columns]]:
+    yield file, read_frames(root, schema, file, features, n_rows)
 
 
 def _fold_misread[T](

@@ -21,7 +21,9 @@ from z2r.format.store import check_no_pointer, fault_of, open_mapped
 # The last one: pyarrow meets a damaged column name.
 _UNREADABLE = (pa.ArrowException, OSError, UnicodeDecodeError)
 _NUMERIC = "numbers, one for each frame"
-_MAX_NUMBERS = 2**28  # in one file: 1 GiB of float32
+_MAX_NUMBERS = 2**28  # at a time: 1 GiB of float32
+_MAX_NUMBERS_OF_A_FILE = 2**32  # in blocks: what a footer claims beyond that is no recording
+_BLOCK = 2**21  # numbers: 8 MiB of float32
 _MAX_BLOBS, _MAX_BLOB_BYTES = 64, 2**27  # at a time
 
 
@@ -67,6 +69,51 @@ def read_columns(file: pq.ParquetFile, path: Path, columns: Sequence[str], n_row
         If a column is missing or comes twice, or the bytes cannot be decoded, or the file has fewer rows than it says,
         or more than fit into memory: a small file can claim a billion.
     """
+    claimed = _check_claims(file, path, columns, n_rows, _MAX_NUMBERS)[0]
+    try:
+        table = file.read_row_groups(_leading_row_groups(file, n_rows), columns=list(columns))
+    except _UNREADABLE as error:
+        raise _unreadable(path, error) from error
+    _check_rows(path, len(table), claimed)
+    return table
+
+
+def read_blocks(
+    file: pq.ParquetFile, path: Path, columns: Sequence[str], n_rows: int | None = None
+) -> Iterator[pa.Table]:
+    """Read columns as `read_columns` does, so many rows at a time that memory does not grow with the file.
+
+    Yields
+    ------
+    Table
+        Rows that follow each other: of a file that is not large all of them, else those of some row groups, or of a
+        part of one that is large by itself. None is empty, but that of an empty file.
+
+    Raises
+    ------
+    DatasetError
+        As `read_columns`.
+    """
+    claimed, a_row = _check_claims(file, path, columns, n_rows, _MAX_NUMBERS_OF_A_FILE)
+    at_once, n_read = max(1, _BLOCK // a_row), 0
+    if claimed <= at_once:
+        yield read_columns(file, path, columns, n_rows)
+        return
+    for groups in _blocks_of_row_groups(file, _leading_row_groups(file, n_rows), at_once):
+        try:  # mapped anew: what was read of the file before need not stay in memory
+            part = pq.ParquetFile(open_mapped(path), metadata=file.metadata)
+            for batch in part.iter_batches(at_once, row_groups=groups, columns=list(columns)):
+                n_read += len(batch)
+                yield pa.Table.from_batches([batch])
+        except _UNREADABLE as error:
+            raise _unreadable(path, error) from error
+    _check_rows(path, n_read, claimed)
+
+
+def _check_claims(
+    file: pq.ParquetFile, path: Path, columns: Sequence[str], n_rows: int | None, most: int
+) -> tuple[int, int]:
+    """Check that columns can be read, by the footer; return how many rows it claims, and how many numbers each has."""
     stored = file.schema_arrow  # made anew at each call
     present = stored.names
     for column in columns:
@@ -76,31 +123,37 @@ def read_columns(file: pq.ParquetFile, path: Path, columns: Sequence[str], n_row
             raise DatasetError(Fault(path, column, f"{present.count(column)} columns of this name", "one"))
     claimed = file.metadata.num_rows if n_rows is None else min(n_rows, file.metadata.num_rows)
     a_row = sum(width(stored.field(column).type) or 1 for column in columns)
-    if claimed * a_row > _MAX_NUMBERS:
+    if claimed * a_row > most:
         raise DatasetError(
             Fault(
                 path,
                 "rows",
                 f"{claimed:,} rows of {a_row:,} numbers",
-                f"at most {_MAX_NUMBERS:,} numbers in one file",
+                f"at most {most:,} numbers in one file",
                 mend="LeRobot begins a new file every 100 MB: it is damaged, or wants to be split",
             )
         )
-    try:
-        table = file.read_row_groups(_leading_row_groups(file, n_rows), columns=list(columns))
-    except _UNREADABLE as error:
-        raise _unreadable(path, error) from error
-    if len(table) < claimed:
-        raise DatasetError(
-            Fault(
-                path,
-                "rows",
-                f"{len(table)}",
-                f"{claimed}, as its footer says",
-                mend="It is damaged: copy or record it again",
-            )
-        )
-    return table
+    return claimed, a_row
+
+
+def _check_rows(path: Path, n_read: int, claimed: int) -> None:
+    if n_read < claimed:
+        expected = f"{claimed}, as its footer says"
+        raise DatasetError(Fault(path, "rows", f"{n_read}", expected, mend="It is damaged: copy or record it again"))
+
+
+def _blocks_of_row_groups(file: pq.ParquetFile, groups: Sequence[int], at_once: int) -> Iterator[list[int]]:
+    """Put row groups together that have so many rows at most, or one that has more."""
+    block: list[int] = []
+    n_rows = 0
+    for group in groups:
+        own = file.metadata.row_group(group).num_rows
+        if block and n_rows + own > at_once:
+            yield block
+            block, n_rows = [], 0
+        block.append(group)
+        n_rows += own
+    yield block
 
 
 def width(kind: pa.DataType) -> int | None:

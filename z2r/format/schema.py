@@ -9,6 +9,7 @@ import re
 import shlex
 import string
 from collections.abc import Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -32,7 +33,7 @@ _MAX_FEATURES = 10_000
 MAX_SIGNAL_SIZE = 1024  # numbers a frame: more than that is a picture
 
 
-class Feature(msgspec.Struct, frozen=True):
+class Feature(msgspec.Struct, frozen=True, dict=True):  # where `dim_names`, which everybody asks for, is kept
     """One thing that is stored for every frame.
 
     Attributes
@@ -63,7 +64,7 @@ class Feature(msgspec.Struct, frozen=True):
         """Whether the values are numbers in the data files (not pictures or text)."""
         return not self.dtype.startswith(_NOT_NUMERIC)
 
-    @property
+    @cached_property
     def dim_names(self) -> tuple[str, ...]:
         """The name of each dimension; empty where the file does not give one for each."""
         return names_of(self.names, self.shape)
