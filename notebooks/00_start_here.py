@@ -64,7 +64,7 @@ from z2r.course.exercises import start_here as practice
 #
 # Here is the recording, seen from above. `z2r.STANDIN` is the folder of the dataset that comes with the package. Press
 # *Play*, or step through the frames with the arrow keys, and watch the two errors fall. Then pick another episode. The
-# question at the top, *How is it read?*, can wait: you will come back to it.
+# question at the top, *How is it read?*, can stay closed: you will come back to it.
 
 # %%
 dataset = z2r.load(z2r.STANDIN)
@@ -195,8 +195,8 @@ figures.right_and_wrong(right, wrong)
 
 # %% [markdown]
 # It ends in the right place, lying on its side, and the pusher is inside it. That is the signature of `yaw-swap`:
-# the positions are right, the angles are not. Now go back to the panel at the top, choose `yaw-swap` there, and watch
-# all six collapse to 0%.
+# the positions are right, the angles are not. Now go back to the panel at the top, open *How is it read?*, choose
+# `yaw-swap` there, and watch all six collapse to 0%.
 #
 # ## Practice
 #

@@ -67,7 +67,7 @@ def wait_for(address: str, process: subprocess.Popen[bytes], log: Path) -> None:
 @pytest.fixture
 def page(browser: Browser) -> Iterator[Page]:
     # As high as the whole notebook, since JupyterLab draws only the cells that are in view.
-    page = browser.new_page(viewport={"width": 1300, "height": 8000})
+    page = browser.new_page(viewport={"width": 1440, "height": 9000})
     yield page
     page.close()
 
@@ -94,13 +94,16 @@ def test_run_all_finishes_and_draws_the_figures(page, server, tmp_path):
     expect(notebook.locator(".jp-OutputArea-output img[src^='data:image/png']")).to_have_count(figures)
     panel = notebook.frame_locator("iframe")
     expect(panel.locator(".percent:visible")).to_have_text("100%")
+    high = panel.locator("html").evaluate("html => [innerHeight, html.getBoundingClientRect().height]")
+    assert high[0] == pytest.approx(high[1], abs=1)
+    panel.get_by_text("How is it read?").click()
     panel.locator("[value=yaw-swap]").check()
     expect(panel.locator(".percent:visible")).to_have_text("0%")
 
 
-def test_before_anybody_trusts_the_notebook_the_panel_is_a_still(page, server):
+def test_before_anybody_trusts_the_notebook_the_panel_is_a_moving_picture(page, server):
     page.goto(f"{server}/lab/tree/{UNTRUSTED}")
-    still = page.locator(".jp-Notebook img[src^='data:image/svg']")
-    expect(still).to_be_visible(timeout=60 * SECONDS)
-    assert still.bounding_box()["height"] > 300
+    picture = page.locator(".jp-Notebook img[src^='data:image/webp']")
+    expect(picture).to_be_visible(timeout=60 * SECONDS)
+    assert picture.bounding_box()["height"] > 300
     expect(page.locator(".jp-Notebook iframe")).to_have_count(0)

@@ -3,6 +3,7 @@
 import importlib.util
 import io
 import re
+import shutil
 from pathlib import Path
 
 import av
@@ -14,7 +15,7 @@ from axe_playwright_python.sync_playwright import Axe
 from filmed import CAMERAS, FPS, FRONT, LENGTHS, video, write_filmed, write_photographed, write_video
 from playwright.sync_api import Page, expect
 from robots import JOINTS, write_arm
-from test_report import Elements, data_of
+from test_report import Elements, data_of, pictures_in
 from test_report_in_browser import expect_frame, open_file, open_report
 
 import z2r
@@ -47,13 +48,14 @@ def greys(page: Page) -> list[float]:
     """How bright the picture is that each camera shows now."""
     return page.evaluate(
         """async () => {
-          const look = async (video) => {
-            while (video.seeking || video.readyState < 2) await new Promise((done) => setTimeout(done, 10));
+          const isReady = (seen) => seen.complete ?? (!seen.seeking && seen.readyState > 1);
+          const look = async (seen) => {
+            while (!isReady(seen)) await new Promise((done) => setTimeout(done, 10));
             const canvas = new OffscreenCanvas(1, 1).getContext("2d");
-            canvas.drawImage(video, 0, 0, 1, 1);
+            canvas.drawImage(seen, 0, 0, 1, 1);
             return canvas.getImageData(0, 0, 1, 1).data[1];
           };
-          return Promise.all([...document.querySelectorAll("video")].map(look));
+          return Promise.all([...document.querySelectorAll(".screen :is(video, img)")].map(look));
         }"""
     )
 
@@ -130,16 +132,70 @@ def test_a_page_without_the_extra_says_what_is_missing(filmed, tmp_path, monkeyp
     assert Elements((tmp_path / "page.html").read_text()).text["page"].count("pip install '.[video]'") == len(CAMERAS)
 
 
-def test_a_page_says_that_images_are_not_played_and_which_video_is_broken(tmp_path, filmed):
-    write_photographed(tmp_path / "photographed")
-    z2r.write_report(z2r.load(tmp_path / "photographed"), tmp_path / "page.html")
-    assert "images in the data files" in (tmp_path / "page.html").read_text()
+@pytest.fixture(scope="module")
+def photographed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    root = tmp_path_factory.mktemp("photographed") / "photographed"
+    write_photographed(root, clock)
+    return root
+
+
+def test_pictures_of_the_data_files_follow_the_frame_that_is_looked_at(photographed, open_report):
+    page = open_report(photographed)
+    for episode, frame in [(0, 0), (0, 1), (3, 7), (7, 51), (7, 50)]:
+        page.evaluate(f"location.hash = '#episode={episode}&frame={frame}'")
+        expect_frame(page, frame)
+        expect(page.locator(".which")).to_have_text([f", frame {frame}"] * len(CAMERAS))
+        assert greys(page) == [level(camera, episode, frame) for camera in CAMERAS]
+
+
+def test_of_pictures_as_many_are_there_as_there_is_room_for(photographed, open_report, monkeypatch):
+    inspection = z2r.inspect_dataset(photographed)
+    stored = [row["bytes"] for row in pq.read_table(next(photographed.rglob("data/*/*.parquet")))[FRONT].to_pylist()]
+    for n_wanted, n_episodes in [(40, 3), (24, 2), (23, 1), (3, 1), (1, 1)]:
+        room = 2 * n_wanted * max(map(len, stored))
+        front, side = read_films(inspection, inspection.episodes, room)
+        assert 0 < len(front.pictures) <= n_wanted
+        assert sum(len(each.data) for film in (front, side) for each in film.pictures) <= room
+        assert all(each.data == stored[each.at] for each in front.pictures)
+        assert front.pictures[0].at == 0
+        ends = inspection.episodes.to_index
+        assert {int(np.sum(ends <= each.at)) for each in front.pictures} == set(range(n_episodes))
+    assert read_films(inspection, inspection.episodes, 10)[0] == front._replace(pictures=())
+    monkeypatch.setattr(report, "_MAX_BYTES", 48 * max(map(len, stored)) + 10_000)
+    page = open_report(photographed)
+    page.evaluate("location.hash = '#episode=0&frame=8'")
+    expect_frame(page, 8)
+    expect(page.locator(".which").first).to_have_text(re.compile("^, frame [5-8]$"))
+    page.evaluate("location.hash = '#episode=7&frame=4'")
+    expect(page.get_by_text("no room for a picture of this episode")).to_have_count(len(CAMERAS))
+    expect(page.locator(".screen img:visible")).to_have_count(0)
+
+
+def test_a_page_says_which_video_or_picture_is_broken(tmp_path, filmed, photographed, open_report):
+    shutil.copytree(photographed, tmp_path / "photographed")
+    [path] = (tmp_path / "photographed").rglob("data/*/*.parquet")
+    table = pq.read_table(path)
+    rows = pa.array([row | {"bytes": row["bytes"][:26]} for row in table[FRONT].to_pylist()], table[FRONT].type)
+    pq.write_table(table.set_column(table.column_names.index(FRONT), FRONT, rows), path)
+    page = open_report(tmp_path / "photographed")
+    expect(page.get_by_text("This browser cannot show the picture.")).to_have_count(1)
+    expect(page.locator(".screen img:visible")).to_have_count(1)
     write_filmed(tmp_path / "filmed", clock)
     video(tmp_path / "filmed", FRONT).write_bytes(b"version https://git-lfs.github.com/spec/v1\n")
     z2r.write_report(z2r.load(tmp_path / "filmed"), tmp_path / "page.html")
     first, second = data_of((tmp_path / "page.html").read_text())["cameras"]
     assert "Git LFS" in first["missing"]
     assert (len(first["clips"]), len(second["clips"])) == (0, len(LENGTHS))
+
+
+@pytest.mark.parametrize("kind", ["filmed", "photographed"])
+def test_where_no_script_runs_the_cameras_play_side_by_side(kind, request):
+    seen = pictures_in(z2r.panel(request.getfixturevalue(kind)))
+    frames = range(0, LENGTHS[0], 2)
+    assert len(seen) == len(frames)
+    for picture, frame in zip(seen, frames, strict=True):
+        halves = [half.mean() for half in np.split(picture, len(CAMERAS), axis=1)]
+        np.testing.assert_allclose(halves, [level(camera, 0, frame) for camera in CAMERAS], atol=GREY_A_FRAME)
 
 
 def test_what_a_browser_cannot_play_it_says(filmed, open_file, tmp_path):

@@ -2,6 +2,8 @@
 
 import base64
 import hashlib
+import importlib.util
+import io
 import json
 import re
 import subprocess
@@ -19,13 +21,14 @@ from damages import BASES
 from jinja2 import UndefinedError
 from layouts import lay_out
 from notebook_tools import code_cells, committed
+from PIL import Image, ImageSequence
 from robots import write_arm
 from test_cli import run
 
 import z2r
 from z2r.errors import DatasetError
 from z2r.show import report
-from z2r.show.page import templates
+from z2r.show.page import moving, templates
 from z2r.show.page.content import WRONG_READINGS
 
 HOSTILE = "</script><img src=x onerror=alert(1)>"
@@ -111,7 +114,7 @@ def test_the_policy_lets_nothing_run_but_the_script_and_the_style_of_the_page(tm
     elements = Elements(write(z2r.load(z2r.STANDIN), tmp_path))
     [policy] = [a["content"] for tag, a in elements.elements if a.get("http-equiv") == "Content-Security-Policy"]
     directives = dict(directive.strip().split(" ", 1) for directive in policy.split(";"))
-    assert directives.pop("media-src") == "blob:"  # the clips, which are in the page
+    assert directives.pop("media-src") == directives.pop("img-src") == "blob:"  # what cameras saw, which is in the page
     assert directives.pop("default-src") == directives.pop("base-uri") == directives.pop("form-action") == "'none'"
     for name, text in (("script-src", elements.text["script"]), ("style-src", elements.text["style"])):
         digest = base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
@@ -144,7 +147,8 @@ def test_names_of_a_dataset_are_never_taken_for_markup(standin_copy, tmp_path):
     assert "\u202e" not in page
     shown = Elements(z2r.panel(dataset)._repr_html_())
     assert [tag for tag, _ in shown.elements].count("iframe") == 1
-    assert not [tag for tag, attributes in shown.elements if "onerror" in attributes or tag == "script"]
+    assert [tag for tag, _ in shown.elements].count("script") == 1
+    assert not [tag for tag, attributes in shown.elements if "onerror" in attributes]
 
 
 def test_nothing_is_called_markup_but_what_the_package_writes():
@@ -286,11 +290,41 @@ def test_a_panel_is_the_page_in_a_frame_that_cannot_touch_the_notebook(tmp_path)
     panel = z2r.panel(dataset)
     [frame] = [attributes for tag, attributes in Elements(panel._repr_html_()).elements if tag == "iframe"]
     assert frame["sandbox"] == "allow-scripts"
-    assert frame["srcdoc"] == write(dataset, tmp_path, with_audit=False)
+    assert frame["srcdoc"] == write(dataset, tmp_path, with_audit=False).replace('id="switch" open', 'id="switch"')
     assert panel._repr_html_() == z2r.panel(dataset)._repr_html_()
-    [still] = [attributes for tag, attributes in Elements(panel._repr_html_()).elements if tag == "img"]
-    assert base64.b64decode(still["src"].partition(",")[2]).decode() == panel.still
+    [picture] = [attributes for tag, attributes in Elements(panel._repr_html_()).elements if tag == "img"]
+    assert base64.b64decode(picture["src"].partition(",")[2]) == panel.picture
     assert "6 of 6" in repr(panel)
+
+
+def pictures_in(panel: report.Panel) -> list[np.ndarray]:
+    with Image.open(io.BytesIO(panel.picture)) as file:
+        return [np.asarray(each.convert("RGB"), float) for each in ImageSequence.Iterator(file)]
+
+
+def test_where_no_script_runs_the_bodies_of_the_first_episode_move(monkeypatch):
+    dataset = z2r.load(z2r.STANDIN)
+    panel = z2r.panel(dataset)
+    length, half = int(dataset.episodes.lengths[0]), 0.41  # m: walls at 0.4, and a bit more
+    pusher = z2r.decode(dataset.read("observation.state")[:length], z2r.PUSHT, dataset.schema).pose("pusher")
+    frames = range(0, length, 2)
+    seen = pictures_in(panel)
+    assert len(seen) == len(frames)
+    for picture, frame in zip(seen, frames, strict=True):
+        column, row = (200 + 200 * at / half for at in (pusher.x[frame], -pusher.y[frame]))
+        np.testing.assert_allclose(picture[round(row), round(column)], (213, 94, 0), atol=40)
+    monkeypatch.setattr(moving, "MAX_BYTES", len(panel.picture) - 1)
+    fewer = z2r.panel(dataset)
+    assert len(pictures_in(fewer)) == (len(frames) + 1) // 2
+    assert len(fewer.picture) < len(panel.picture)
+
+
+def test_a_panel_needs_no_pillow(monkeypatch):
+    find = importlib.util.find_spec
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "PIL" else find(name))
+    panel = z2r.panel(z2r.load(z2r.STANDIN))
+    assert panel.picture == b""
+    assert "<img" not in panel._repr_html_().partition("<iframe")[0]
 
 
 def test_the_command_says_where_the_page_is(tmp_path):

@@ -120,7 +120,7 @@ def test_after_a_click_on_a_reading_the_arrow_keys_step_through_frames(open_repo
 
 def test_the_keyboard_alone_reaches_everything(open_report):
     page = open_report(z2r.STANDIN)
-    for name in ("right", "#findings-title", "episode", "next", "filter", "play", "speed", "frame"):
+    for name in ("switch-title", "right", "#findings-title", "episode", "next", "filter", "play", "speed", "frame"):
         page.keyboard.press("Tab")
         assert page.evaluate(FOCUSED) == name
     page.keyboard.press("Shift+ArrowRight")
@@ -385,6 +385,8 @@ def test_the_panel_of_a_notebook_works_and_cannot_reach_out_of_its_frame(open_fi
     page = open_file(tmp_path / "notebook.html")
     frame = page.frame_locator("iframe")
     expect(frame.locator(".percent:visible")).to_have_text("100%")
+    expect(frame.locator("[value=yaw-swap]")).to_be_hidden()  # whoever is asked to predict it has not seen it
+    frame.get_by_text("How is it read?").click()
     frame.locator("[value=yaw-swap]").check()
     expect(frame.locator(".percent:visible")).to_have_text("0%")
     assert (
@@ -393,13 +395,47 @@ def test_the_panel_of_a_notebook_works_and_cannot_reach_out_of_its_frame(open_fi
     )
 
 
-def test_where_frames_are_taken_out_of_a_notebook_a_still_is_there(open_file, tmp_path):
+BROKEN_WORDS = """() => {
+  const isBroken = (node, { 0: word, index }) => {
+    const range = document.createRange();
+    range.setStart(node, index);
+    range.setEnd(node, index + word.length);
+    return new Set([...range.getClientRects()].filter((box) => box.width).map((box) => Math.round(box.top))).size > 1;
+  };
+  const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  const broken = [];
+  while (walker.nextNode()) {
+    const node = walker.currentNode;
+    if (!node.parentElement.checkVisibility()) continue;
+    const words = [...node.data.matchAll(/[^\\s-]+/g)];
+    broken.push(...words.filter((word) => isBroken(node, word)).map(([word]) => word));
+  }
+  return broken;
+}"""
+
+
+@pytest.mark.parametrize("width", [700, 820, 960, 1100])
+def test_the_panel_is_as_high_as_what_it_shows_and_breaks_no_word(width, open_file, tmp_path):
+    (tmp_path / "notebook.html").write_text(f"<!doctype html>{z2r.panel(z2r.STANDIN)._repr_html_()}")
+    page = open_file(tmp_path / "notebook.html", viewport={"width": width, "height": 900})
+    frame = page.frames[1]
+    for _ in range(2):  # with the wrong readings closed, and open
+        page.wait_for_function("(frame) => frame.clientHeight !== 1180", arg=page.locator("iframe").element_handle())
+        page.wait_for_timeout(100)
+        below = frame.evaluate("innerHeight - document.documentElement.getBoundingClientRect().height")
+        assert 0 <= below < 1
+        assert frame.evaluate(BROKEN_WORDS) == []
+        frame.get_by_text("How is it read?").click()
+
+
+def test_where_frames_are_taken_out_of_a_notebook_a_picture_is_there(open_file, tmp_path):
     html = z2r.panel(z2r.load(z2r.STANDIN))._repr_html_()
     (tmp_path / "notebook.html").write_text(f"<!doctype html>{html.partition('<iframe')[0]}")
     page = open_file(tmp_path / "notebook.html", java_script_enabled=False)
     expect(page.get_by_text("6 of 6")).to_be_visible()
     box = page.locator("img").bounding_box()
     assert box["height"] == pytest.approx(box["width"], rel=0.05)
+    expect(page.get_by_text("to look at every frame")).to_be_visible()
 
 
 ROBOTS = {"hand": write_hand, "arm": write_arm}

@@ -105,7 +105,7 @@ def test_a_page_has_no_room_for_what_a_reading_lacks(arm, tmp_path):
     page = write_page(arm, tmp_path / "page.html")
     assert 'id="scene"' not in page
     assert set(answers(page)) == {"right", "drop-boundaries"}
-    assert z2r.panel(*arm).still == ""
+    assert z2r.panel(*arm).picture == b""
 
 
 def test_a_hand_that_is_not_stored_as_sine_and_cosine_cannot_be_swapped(hand, tmp_path):

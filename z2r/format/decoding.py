@@ -192,6 +192,47 @@ def cut_clip(root: Path, path: Path, index: VideoIndex, cut: Cut) -> bytes:
     return made.getvalue()
 
 
+def decode_clip(clip: bytes, begin: float, every: float, width: int) -> Iterator[NDArray[np.uint8]]:
+    """Decode a picture of a clip every so many seconds.
+
+    Parameters
+    ----------
+    clip : bytes
+        From `cut_clip`.
+    begin : float
+        The time of the first [s].
+    every : float
+        How long to the next [s].
+    width : int
+        How wide to make them [pixels].
+
+    Yields
+    ------
+    ndarray, uint8[height, width, 3]
+        In RGB.
+
+    Raises
+    ------
+    DatasetError
+        If the bytes cannot be decoded.
+    """
+    from av import FFmpegError
+    from av import open as open_container
+
+    due = begin
+    try:
+        with open_container(io.BytesIO(clip), "r", format="mp4") as file:
+            file.streams.video[0].codec_context.options = {"max_pixels": str(_MAX_PIXELS)}
+            for frame in file.decode(video=0):
+                if frame.time is not None and frame.time >= due - _MOMENT:
+                    due += every
+                    height = max(2, round(width * frame.height / frame.width))
+                    small = frame.reformat(width, height, "rgb24", interpolation="AREA")
+                    yield small.to_ndarray().astype(np.uint8, copy=False)
+    except FFmpegError as error:
+        raise _undecodable(Path(), "", error) from None
+
+
 def decode_images(root: Path, path: Path, feature: str, wanted: Ints) -> Iterator[tuple[int, Small]]:
     """Decode some of the images that stand in a data file: the same for rows of it, and in their order.
 

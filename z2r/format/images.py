@@ -6,7 +6,7 @@ its bytes whether it is the same as another.
 """
 
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from z2r.arrays import Bools, Ints
+from z2r.format.episodes import DataFile
 from z2r.format.parquet import blobs, open_parquet
 from z2r.format.store import inside
 
@@ -109,6 +110,38 @@ def read_pictures(root: Path, path: Path, feature: str, wanted: Ints) -> Iterato
         for row in wanted[(wanted >= first) & (wanted < first + len(offsets) - 1)].tolist():
             yield row, data[offsets[row - first] : offsets[row - first + 1]].tobytes()
         first += len(offsets) - 1
+
+
+def encoded_pictures(
+    root: Path, files: Sequence[DataFile], feature: str, frames: Ints
+) -> Iterator[tuple[int, bytes, str]]:
+    """Yield which of some frames it is, ascending, its picture as it is encoded, and of which media type that is.
+
+    Frames without a picture, or with bytes that are none, are left out.
+
+    Parameters
+    ----------
+    root : Path
+        The dataset.
+    files : sequence of DataFile
+        Its data files.
+    feature : str
+        Of dtype ``image``.
+    frames : ndarray, int64[n]
+        Counted over the dataset, ascending.
+
+    Raises
+    ------
+    DatasetError
+        If there is no such column, it is of another type, or its bytes cannot be read.
+    """
+    for file in files:
+        places = np.flatnonzero((frames >= file.from_index) & (frames < file.to_index))
+        rows = frames[places] - file.from_index
+        pictures = read_pictures(root, file.path.relative_to(root), feature, rows) if len(rows) else ()
+        for place, (_, picture) in zip(places.tolist(), pictures, strict=False):
+            if kind := format_of(picture):
+                yield place, picture, f"image/{kind.kind}"
 
 
 def format_of(picture: bytes) -> Format | None:

@@ -4,7 +4,6 @@ A video goes into the recording as a whole, and every frame refers to its own mo
 are too large, they are cut to what is shown, which PyAV does without decoding either.
 """
 
-from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
@@ -18,7 +17,7 @@ from z2r.format.about import cameras_of, short_names
 from z2r.format.dataset import Dataset
 from z2r.format.decoding import Cut, can_decode, cut_clip, key_before
 from z2r.format.episodes import EpisodeIndex
-from z2r.format.images import format_of, read_pictures
+from z2r.format.images import encoded_pictures
 from z2r.format.mp4 import VideoIndex
 from z2r.format.store import inside, read_bytes
 from z2r.format.videos import read_films, read_video
@@ -148,7 +147,7 @@ def _send_video(recorder: Recorder, root: Path, clip: _Clip, entity: str, *, cut
 
 def _send_images(recorder: Recorder, dataset: Dataset, name: str, entity: str, frames: Ints, most: int) -> int:
     """Send the images of a feature as they are encoded; return how many bytes they take."""
-    size, pictures = 0, _pictures(dataset, name, frames)
+    size, pictures = 0, encoded_pictures(dataset.root, dataset.files, name, frames)
     while some := list(islice(pictures, _MAX_IMAGES)):
         size += sum(len(picture) for _, picture, _ in some)
         if size > most:
@@ -157,14 +156,3 @@ def _send_images(recorder: Recorder, dataset: Dataset, name: str, entity: str, f
         at, blobs, kinds = zip(*some, strict=True)
         recorder.columns(entity, rr.EncodedImage.columns(blob=blobs, media_type=kinds), np.array(at))
     return size
-
-
-def _pictures(dataset: Dataset, name: str, frames: Ints) -> Iterator[tuple[int, bytes, str]]:
-    """Yield the place of each frame that has a picture, its bytes, and their media type."""
-    for file in dataset.files:
-        places = np.flatnonzero((frames >= file.from_index) & (frames < file.to_index))
-        rows = frames[places] - file.from_index
-        pictures = read_pictures(dataset.root, file.path.relative_to(dataset.root), name, rows) if len(rows) else ()
-        for place, (_, picture) in zip(places.tolist(), pictures, strict=False):
-            if kind := format_of(picture):
-                yield place, picture, f"image/{kind.kind}"

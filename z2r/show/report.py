@@ -20,13 +20,13 @@ from z2r.reading.reading import Reading
 from z2r.reading.scene import Scene
 from z2r.show.page.content import n_frames_for, read_content
 from z2r.show.page.markup import render
-from z2r.show.page.pictures import scene as lay_out
+from z2r.show.page.moving import moving_picture
 from z2r.show.page.templates import fill
 
 _MAX_BYTES = 3_000_000  # of the frames and clips in a page, which stays below 5 MB
 _MAX_BYTES_IN_NOTEBOOK = 600_000  # what is shown in a notebook is saved in it
-_PANEL_HEIGHT = 1180  # pixels: down to the picture and its key
-_STILL_HEIGHT = 540
+_PANEL_HEIGHT = 1180  # pixels, until the page in it says how high it is
+_PICTURE_HEIGHT = 540  # with what is said of it
 
 
 @dataclass(frozen=True)
@@ -60,13 +60,13 @@ class Panel:
         The whole page.
     title : str
         What is shown, in one line.
-    still : str
-        A picture of it for places where no script runs, such as a notebook on GitHub: SVG, or nothing.
+    picture : bytes
+        The first episode for places where no script runs, such as a notebook on GitHub: an animated WebP, or nothing.
     """
 
     page: str
     title: str
-    still: str
+    picture: bytes
 
     def __repr__(self) -> str:
         return f"Panel: {self.title}"
@@ -76,9 +76,9 @@ class Panel:
             "panel.html",
             title=self.title,
             page=self.page,
-            still=base64.b64encode(self.still.encode()).decode(),
+            picture=base64.b64encode(self.picture).decode(),
             height=_PANEL_HEIGHT,
-            still_height=_STILL_HEIGHT,
+            picture_height=_PICTURE_HEIGHT,
         )
 
 
@@ -124,10 +124,9 @@ def panel(inspection: Inspection, scene: Scene | None = None) -> Panel:
     right, episodes = content.views[0], inspection.episodes
     reached = f", reached {content.destination}: {right.outcome.tally} ({content.source})" if right.outcome else ""
     stored = f", stored: {inspection.stored.says}" if inspection.stored else ""
-    world = lay_out(content, right.reading, "still") if right.reading and right.reading.poses else None
-    still = fill("scene.svg", world=world) if world else ""
     counts = f"episodes: {len(episodes):,}, frames: {episodes.n_frames:,}"
-    return Panel(render(content), f"{content.title}, {counts}{reached}{stored}", still)
+    title = f"{content.title}, {counts}{reached}{stored}"
+    return Panel(render(content, in_notebook=True), title, moving_picture(content))
 
 
 def n_frames_in_report(schema: Schema, reading: Reading | None) -> int:

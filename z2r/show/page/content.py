@@ -9,11 +9,11 @@ from z2r.arrays import Bools, Columns, Ints
 from z2r.audits.audit import Audit
 from z2r.audits.following import pairs_of
 from z2r.errors import printable
+from z2r.format.about import cameras_of
 from z2r.format.dataset import Dataset
 from z2r.format.episodes import EpisodeIndex
 from z2r.format.schema import ACTION, Schema
 from z2r.format.store import folder_name
-from z2r.format.videos import video_features
 from z2r.reading.bodies import Body, bodies_of
 from z2r.reading.breaks import BreakMode, break_mode
 from z2r.reading.decode import Decoded, decode
@@ -224,9 +224,9 @@ class Content:
 def n_frames_for(schema: Schema, reading: Reading | None, max_bytes: int) -> int:
     """Say how many frames, 4 bytes a number, fit into a page that shows what a reading makes of them; at least one.
 
-    Where there are videos, half of the room is theirs.
+    Where there are cameras, half of the room is theirs.
     """
-    room = max_bytes // 2 if video_features(schema) else max_bytes
+    room = max_bytes // 2 if cameras_of(schema) else max_bytes
     return max(room // (4 * _n_columns(schema, reading)), 1)
 
 

@@ -1,28 +1,34 @@
 """What did the cameras see? Clips of the episodes that a page shows, as many as it has room for.
 
-A clip is cut out of the video on disk and never encoded again. Where there is none, the page says why.
+A clip is cut out of the video on disk and never encoded again. Where a camera has no video but a picture in each row,
+some of these are taken as they are. Where there is nothing, the page says why.
 """
 
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
+from z2r.arrays import Ints
 from z2r.errors import DatasetError, MissingExtraError, printable
 from z2r.format.about import Camera
 from z2r.format.dataset import Dataset
 from z2r.format.decoding import Cut, check_can_decode, cut_clip, plan_cut
 from z2r.format.episodes import EpisodeIndex, shard_paths
+from z2r.format.images import encoded_pictures
 from z2r.format.mp4 import VideoIndex
 from z2r.format.tables import read_shard, read_stated
 from z2r.format.videos import read_video, read_videos
 from z2r.reading.inspection import Inspection
 
-_IMAGES = "Its pictures are images in the data files, and this page plays videos only."
+_NO_PICTURES = "There is no picture in the data files."
+_NO_ROOM_FOR_PICTURES = "The page has no room for a picture of this episode."
 _NOT_NAMED = "The episode metadata do not say where its videos are."
 _TOO_SHORT = "Its video ends before this episode."
 _NO_ROOM = "The page has no room for a clip of this episode."
 _ALL = 2**62  # bytes
+_PICTURES = 12  # of an episode, as soon as there is room for as many of the first: so many show how it went
 
 
 class Clip(NamedTuple):
@@ -43,6 +49,24 @@ class Clip(NamedTuple):
     n_frames: int
 
 
+class Picture(NamedTuple):
+    """What one camera saw in a frame.
+
+    Attributes
+    ----------
+    at : int
+        The frame, counted over all that the page shows.
+    data : bytes
+        As it is stored.
+    media_type : str
+        Such as ``image/png``.
+    """
+
+    at: int
+    data: bytes
+    media_type: str
+
+
 class _Plan(NamedTuple):
     """Where a clip is cut from, and how many bytes it will take."""
 
@@ -54,7 +78,7 @@ class _Plan(NamedTuple):
 
 
 class Film(NamedTuple):
-    """All clips of one camera.
+    """All clips of one camera, or pictures where it has no video.
 
     Attributes
     ----------
@@ -62,12 +86,15 @@ class Film(NamedTuple):
         What the dataset says of it.
     clips : tuple of Clip
         Of the first episodes that the page shows.
+    pictures : tuple of Picture
+        Of these, some frames.
     missing : str
         Why there is none of the others.
     """
 
     camera: Camera
     clips: tuple[Clip, ...]
+    pictures: tuple[Picture, ...]
     missing: str
 
 
@@ -81,20 +108,58 @@ def read_films(inspection: Inspection, shown: EpisodeIndex, max_bytes: int) -> l
     shown : EpisodeIndex
         The episodes, each as far as it is shown.
     max_bytes : int
-        How many bytes the pictures of all clips together may take.
+        How many bytes all clips and pictures together may take.
     """
     cameras, features = inspection.about.cameras, inspection.schema.features
     videos = [each.name for each in cameras if features[each.name].dtype == "video"]
+    images = [each.name for each in cameras if each.name not in videos]
+    room = max_bytes // max(len(cameras), 1)
     clips: dict[str, list[Clip]] = {}
-    missing = {each.name: _NOT_NAMED if each.name in videos else _IMAGES for each in cameras}
+    missing = dict.fromkeys(videos, _NOT_NAMED)
     try:
         if videos:
             check_can_decode()
-            clips, why = _cut_clips(inspection.dataset, shown, max_bytes)
+            clips, why = _cut_clips(inspection.dataset, shown, len(videos) * room)
             missing |= why
     except (MissingExtraError, DatasetError) as error:
         missing |= dict.fromkeys(videos, printable(f"No clips: {error}"))
-    return [Film(camera, tuple(clips.get(camera.name, ())), missing[camera.name]) for camera in cameras]
+    pictures: dict[str, list[Picture]] = {}
+    for name in images:
+        pictures[name], missing[name] = _pick_pictures(inspection.dataset, name, shown, room)
+    return [
+        Film(camera, tuple(clips.get(camera.name, ())), tuple(pictures.get(camera.name, ())), missing[camera.name])
+        for camera in cameras
+    ]
+
+
+def _pick_pictures(dataset: Dataset, name: str, shown: EpisodeIndex, max_bytes: int) -> tuple[list[Picture], str]:
+    """Return pictures of one camera that are evenly spread over episodes, and why there are none of the others."""
+    begins = dataset.episodes.from_index[np.searchsorted(dataset.episodes.numbers, shown.numbers)]
+    stored = partial(encoded_pictures, dataset.root, dataset.files, name)
+    picked: list[Picture] = []
+    try:
+        first = next(stored(begins[:1]), None)
+        if first is None:
+            return [], _NO_PICTURES
+        at = _spread(shown, max_bytes // len(first[1]))
+        episode = np.searchsorted(shown.to_index, at, side="right")
+        for place, data, media_type in stored(begins[episode] + at - shown.from_index[episode]):
+            max_bytes -= len(data)
+            if max_bytes < 0:
+                break
+            picked.append(Picture(int(at[place]), data, media_type))
+    except DatasetError as error:
+        return picked, printable(f"{error}")
+    return picked, _NO_ROOM_FOR_PICTURES
+
+
+def _spread(shown: EpisodeIndex, n: int) -> Ints:
+    """Spread up to `n` frames over the first episodes; each has its first and its last one, if it has two."""
+    n_episodes = min(len(shown), max(n // _PICTURES, 1))
+    each = n // n_episodes
+    spans = zip(shown.from_index[:n_episodes].tolist(), shown.to_index[:n_episodes].tolist(), strict=True)
+    parts = [np.linspace(begin, end - 1, min(each, end - begin)).round() for begin, end in spans]
+    return np.concatenate(parts).astype(np.int64)
 
 
 class _Videos:

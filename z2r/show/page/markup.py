@@ -31,11 +31,11 @@ _LABELS = {"success": {*SUCCESS}, "reward": {REWARD}}  # the columns that could 
 type _Parts = dict[str, object]
 
 
-def render(content: Content) -> str:
-    """Return the whole page."""
+def render(content: Content, *, in_notebook: bool = False) -> str:
+    """Return the whole page; in a notebook, whose reader may have to predict what they show, wrong readings wait."""
     script, style = ((FOLDER / f"page.{kind}").read_text(encoding="utf-8") for kind in ("js", "css"))
     inspection, reading = content.inspection, content.inspection.reading
-    world = scene(content, reading, "scene") if reading and reading.poses else None
+    world = scene(content, reading) if reading and reading.poses else None
     return fill(
         "page.html",
         title=content.title,
@@ -46,6 +46,7 @@ def render(content: Content) -> str:
         style_hash=_csp_hash(style),
         facts=_facts(inspection),
         about=inspection.about.lines,
+        in_notebook=in_notebook,
         readings={view.name: _believed(view, reading) for view in content.views},
         answers=[_answer(view, content) for view in content.views],
         left_out=content.left_out,

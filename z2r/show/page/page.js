@@ -575,7 +575,10 @@ function turnPage(step) {
 
 // --- the cameras -----------------------------------------------------------------------------------------------------
 
-const films = all(".camera").map((figure, i) => makeFilm(figure, page.cameras[i]));
+const films = all(".camera").map((figure, i) => {
+  const film = page.cameras[i];
+  return film.pictures.length ? makeSlides(figure, film) : makeFilm(figure, film);
+});
 
 /** @type {Record<number, string>} */
 const WHY_NOT = { [MediaError.MEDIA_ERR_SRC_NOT_SUPPORTED]: "it has no decoder for it, or the clip is broken" };
@@ -631,6 +634,43 @@ function makeFilm(figure, { clips, missing }) {
       const runs = inClip() && !video.paused && !video.ended && !video.seeking && video.readyState > 2;
       return runs ? Math.floor((video.currentTime - clips[loaded][1]) * page.fps) : null;
     },
+  };
+}
+
+/**
+ * A camera of which the page holds some pictures: the last one up to the frame that is looked at is shown.
+ * @param {HTMLElement} figure
+ * @param {Film} film
+ */
+function makeSlides(figure, { pictures, missing }) {
+  const [image] = /** @type {HTMLCollectionOf<HTMLImageElement>} */ (figure.getElementsByTagName("img"));
+  const note = /** @type {HTMLElement} */ (figure.querySelector(".missing"));
+  const which = /** @type {HTMLElement} */ (figure.querySelector(".which"));
+  let loaded = -2; // which picture, or -1 for none
+  const tell = (/** @type {string} */ why) => {
+    note.textContent = why;
+    note.hidden = !why;
+    image.hidden = Boolean(why);
+  };
+  image.addEventListener("error", () => tell("This browser cannot show the picture."));
+  return {
+    /**
+     * @param {number} episode
+     * @param {number} at
+     */
+    show(episode, at) {
+      const first = right.episodes[episode][0];
+      const last = pictures.findLastIndex(([frame]) => first <= frame && frame <= first + at);
+      if (last === loaded) return;
+      loaded = last;
+      URL.revokeObjectURL(image.src);
+      tell(last < 0 ? missing : "");
+      which.textContent = last < 0 ? "" : `, frame ${pictures[last][0] - first}`;
+      if (last < 0) return;
+      const [, data, type] = pictures[last];
+      image.src = URL.createObjectURL(new Blob([bytesOf(data)], { type }));
+    },
+    frame: () => null,
   };
 }
 
@@ -778,3 +818,10 @@ byId("scale").hidden = false;
 makeCharts();
 chooseReading(right);
 if (!go(location.hash)) chooseEpisode(0);
+
+// In a notebook, the frame becomes as high as what it shows: the script beside it listens, and may set it only there.
+if (window !== parent) {
+  const { documentElement } = document;
+  const tell = () => parent.postMessage({ z2rHeight: Math.ceil(documentElement.getBoundingClientRect().height) }, "*");
+  new ResizeObserver(tell).observe(documentElement);
+}

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import floor, log10
+from typing import NamedTuple
 
 import numpy as np
 
@@ -33,6 +34,14 @@ class Camera:
     def grid(self) -> float:
         """The distance between two lines of the grid: a power of ten."""
         return float(10.0 ** floor(log10(self.half / 2)))
+
+
+class Floor(NamedTuple):
+    """The ground: its corner at the lowest x and y, how wide it is, and the two ends of each line of its grid."""
+
+    corner: tuple[float, float]
+    width: float
+    lines: list[tuple[tuple[float, float], tuple[float, float]]]
 
 
 def ribbon(view: View, content: Content) -> dict[str, object]:
@@ -98,16 +107,12 @@ def _ribbon_says(view: View, content: Content) -> str:
     return f"{view.stored.tally} called a success" if view.stored else f"{len(view.episodes):,} in all"
 
 
-def scene(content: Content, reading: Reading, name: str) -> dict[str, object]:
-    """Lay out the last shown frame of the first episode, seen from above; the script moves its parts.
-
-    `name` is the id of the picture.
-    """
+def scene(content: Content, reading: Reading) -> dict[str, object]:
+    """Lay out the last shown frame of the first episode, seen from above; the script moves its parts."""
     episode = slice(max(0, int(content.shown.to_index[0]) - LONGEST_PATH), int(content.shown.to_index[0]))
     decoded, camera = content.decoded(reading).take(episode), camera_of(content, reading)
     bodies, scale = content.bodies, _HALF / camera.half
     return {
-        "name": name,
         "label": ", ".join(body.label for body in bodies.values()),
         "place": f"scale({scale:.6g} {-scale:.6g}) translate({-camera.middle[0]:.6g} {-camera.middle[1]:.6g})",
         "floor": _floor(content, camera),
@@ -136,14 +141,26 @@ def _end(content: Content, reading: Reading, name: str, which: str) -> float:
     return float(ends.min() if which == "low" else ends.max())
 
 
-def _floor(content: Content, camera: Camera) -> dict[str, object]:
-    """Lay out the floor with its grid, and the walls where a scene has some."""
+def floor_of(content: Content, camera: Camera) -> Floor:
+    """Return the floor that is seen: up to the walls where a scene has some."""
     half = content.scene.half_width if content.scene else camera.half
     (x, y), step = (0.0, 0.0) if content.scene else camera.middle, camera.grid
-    lines = [f"M{i * step:.6g} {y - half:.6g}v{2 * half:.6g}" for i in _inner(x - half, x + half, step)]
-    lines += [f"M{x - half:.6g} {i * step:.6g}h{2 * half:.6g}" for i in _inner(y - half, y + half, step)]
-    place = {"x": f"{x - half:.6g}", "y": f"{y - half:.6g}", "width": f"{2 * half:.6g}"}
-    return {**place, "grid": "".join(lines), "has_walls": content.scene is not None}
+    columns, rows = ([i * step for i in _inner(at - half, at + half, step)] for at in (x, y))
+    lines = [((at, y - half), (at, y + half)) for at in columns] + [((x - half, at), (x + half, at)) for at in rows]
+    return Floor((x - half, y - half), 2 * half, lines)
+
+
+def disc_radius(body: Body, camera: Camera) -> float:
+    """Say how large a body is drawn that has no outline."""
+    return body.reach or _POINT * camera.half
+
+
+def _floor(content: Content, camera: Camera) -> dict[str, object]:
+    """Lay out the floor with its grid, and the walls where a scene has some."""
+    (x, y), width, lines = floor_of(content, camera)
+    place = {"x": f"{x:.6g}", "y": f"{y:.6g}", "width": f"{width:.6g}"}
+    grid = "".join(f"M{begin[0]:.6g} {begin[1]:.6g}L{end[0]:.6g} {end[1]:.6g}" for begin, end in lines)
+    return {**place, "grid": grid, "has_walls": content.scene is not None}
 
 
 def _inner(low: float, high: float, step: float) -> range:
@@ -154,7 +171,7 @@ def _inner(low: float, high: float, step: float) -> range:
 def _body(pose: str, decoded: Decoded, body: Body, camera: Camera) -> dict[str, object]:
     """Lay out a body: its outline, or else a disc, with a line ahead where it is known how it is turned."""
     corners = "L".join(f"{x:.6g} {y:.6g}" for x, y in body.outline.tolist())
-    radius = body.reach or _POINT * camera.half
+    radius = disc_radius(body, camera)
     return {
         "pose": pose,
         "role": body.role,

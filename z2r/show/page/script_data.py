@@ -68,7 +68,8 @@ def _chart_data(chart: Chart) -> dict[str, Any]:
 
 def _film_data(film: Film) -> dict[str, Any]:
     clips = [[base64.b64encode(clip.data).decode(), clip.offset, clip.n_frames] for clip in film.clips]
-    return {"missing": film.missing, "clips": clips}
+    pictures = [[each.at, base64.b64encode(each.data).decode(), each.media_type] for each in film.pictures]
+    return {"missing": film.missing, "clips": clips, "pictures": pictures}
 
 
 def _findings_data(content: Content) -> list[dict[str, Any]]:

@@ -87,6 +87,8 @@ interface Chart {
 interface Film {
   /** An mp4 in base64, when its first frame is shown [s], and of how many frames it has the pictures. */
   clips: [string, number, number][];
+  /** Instead, frames counted over the page, each with an image in base64 and its media type. */
+  pictures: [number, string, string][];
   /** Why there is none of the other episodes. */
   missing: string;
 }
@@ -117,7 +119,7 @@ interface Ids {
   scale: HTMLFieldSetElement;
   scene: SVGSVGElement | null;
   speed: HTMLSelectElement;
-  switch: HTMLFieldSetElement;
+  switch: HTMLDetailsElement;
   transport: HTMLElement;
   verdict: HTMLElement;
   which: HTMLElement;
