@@ -36,6 +36,7 @@ _GEARED = 1.18  # times the scale of the other joints
 _FAR = 5  # times: no contact makes a factor look so much larger
 _BESIDE_FOR_A_WHILE = 5  # times as far as in the others, for how far the command goes, in the worst second
 _ALWAYS_BESIDE = 0.1  # of a joint's range
+_DRIFTING, _STEADILY = 8, 0.8  # episodes at least, and of the variance of how far it is beside
 _DEAD = 0.02  # of its command
 _COPIED = 0.1  # of the frames in which a command changes
 _STRAY = 8  # times as far beside its command as the others stray
@@ -271,6 +272,22 @@ def no_joint_is_beside_its_command(joints: Joints) -> Iterator[Answer]:
         expected = f"nearly the same number: it goes through {span[pair]:.3g}"
         mend = "Harmless as long as it stays so; are leader and follower calibrated alike?"
         yield "note", Fault(DATA_DIR, joints.pairs[pair].command, found, expected, mend)
+
+
+@UNIT.of(Joints)
+def no_joint_drifts_from_its_command(joints: Joints) -> Iterator[Answer]:
+    """Is a joint more and more beside its command, from episode to episode?"""
+    (known, each), span = _beside(joints), _median(joints.runs.asked, joints.judged)
+    for pair in np.flatnonzero(known.sum(axis=0) >= _DRIFTING).tolist():
+        beside = each[known[:, pair], pair]
+        order = np.arange(len(beside))
+        drift, _ = np.polyfit(order, beside, 1) * (len(beside) - 1)
+        steady = np.ptp(beside) == 0 or np.corrcoef(order, beside)[0, 1] ** 2 < _STEADILY
+        if steady or abs(drift) < _ALWAYS_BESIDE * span[pair]:
+            continue
+        found = f"{beside[0]:.3g} beside {joints.pairs[pair].name} in the first episode, {beside[-1]:.3g} in the last"
+        mend = "Does a horn or a belt slip, or does something give way? Calibrate it anew"
+        yield "note", Fault(DATA_DIR, joints.pairs[pair].command, found, "the same in all episodes", mend)
 
 
 @Check("joint-order", "a command drives the joint of its own name", "warning").of(Joints)

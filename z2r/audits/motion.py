@@ -75,6 +75,19 @@ def nothing_leaps(runs: Runs) -> Iterator[Answer]:
             yield _fault(runs, place, wrong, found, expected, mend, frame)
 
 
+@LEAP.of(Runs)
+def no_angle_goes_on_at_the_other_end(runs: Runs) -> Iterator[Answer]:
+    """Does an angle leap by a whole turn? To a robot that is no motion, and to a policy the farthest that there is."""
+    for name in runs.steps:
+        wrong = is_a_turn(runs.stats[name].step, runs.spans(name)) & _continuous(runs, name)
+        if wrong.any():
+            run, column = _worst(wrong, runs.stats[name].step)
+            place = f"{_dim(runs, name, column)} in {_named(runs, wrong.any(axis=1))}"
+            found = f"a leap of {runs.stats[name].step[run, column]:.3g}, a whole turn{_so_in(wrong[run])}"
+            mend = "It is no motion, but a policy learns it as one: unwind the angle, or store its sine and cosine"
+            yield "note", _fault(runs, place, wrong, found, "an angle that goes on smoothly", mend)
+
+
 @JUMP.of(Runs)
 def nothing_leaps_and_comes_back(runs: Runs) -> Iterator[Answer]:
     """Does a value leap away and back in one frame, much further than it moves in its own episode?"""

@@ -20,8 +20,8 @@ _LEVEL = 110  # to which all views are brought, so that daylight does not matter
 _LIMIT = 40  # grey levels: what lies elsewhere changes some cells by more, a camera that was moved most of them
 _VIEWS_APART = 5  # grey levels, on average over the picture
 _TURNED_APART = 2  # grey levels: by so much it must be another view at least
-_GRAINS_APART = 0.5  # of a logarithm: a factor of 1.6
-_FITS = 0.4  # of the distance: less is left where a guess is right
+_GRAINS_APART, _LEVELS_APART = 0.5, 0.5  # of a logarithm: a factor of 1.6
+_FITS, _FITS_TURNED = 0.4, 0.55  # of the distance: less is left where a guess is right, and where it is turned
 _COLOURLESS = 3  # grey levels between the channels, on average
 _DARK, _WHITE = 24, 250
 _COVERED, _BURNT = 0.08, 0.25  # of the picture
@@ -85,7 +85,8 @@ def unlike(cameras: Mapping[str, Mapping[int, Glance]]) -> dict[str, list[Unlike
             for some in (~other.differ, other.differ)
             if some.any()
         ]
-        found[camera] = [*turned, *_unlike_views(left, strangers), *_blurred(left, cameras[camera])]
+        seen = cameras[camera]
+        found[camera] = [*turned, *_unlike_views(left, strangers), *_blurred(left, seen), *_dark(own, seen)]
     return found
 
 
@@ -103,7 +104,7 @@ def _turned(own: _Views, others: Mapping[str, _Views]) -> list[Unlike]:
         usual = own.views[middle]
         far = _apart(view, usual)
         left, said = _nearest(view, usual, seen)
-        said = said if far >= _TURNED_APART and left <= _FITS * far else _lacks(view, usual)
+        said = said if far >= _TURNED_APART and left <= _FITS_TURNED * far else _lacks(view, usual)
         if said:
             says.setdefault(said, []).append(row)
     return [
@@ -228,3 +229,12 @@ def _blurred(own: _Views, seen: Mapping[int, Glance]) -> Iterator[Unlike]:
     blurred = odd if ratio < 0 else ~odd
     said = f"blurred, with {np.exp(-abs(ratio)):.0%} of the sharpness"
     yield Unlike(rows[blurred], rows[~blurred], said, few)
+
+
+def _dark(own: _Views, seen: Mapping[int, Glance]) -> Iterator[Unlike]:
+    """Find those that are far darker or brighter than the others. That may be daylight, so nobody is sure."""
+    level = np.array([max(float(np.median(seen[row].level)), 1) for row in own.rows.tolist()])
+    odd = differ(np.log(level)[:, None], _LEVELS_APART)
+    if odd.any():
+        said = f"of a brightness of {np.median(level[odd]):.0f} of 255, where {np.median(level[~odd]):.0f} is usual"
+        yield Unlike(own.rows[odd], own.rows[~odd], said, few=False)
