@@ -24,9 +24,7 @@ from damages import (
     EPISODES,
     INFO,
     POSITIONS,
-    SIN_COS,
     STATE,
-    TARGET_SIN_COS,
     change_values,
     drop_column,
     edit_column,
@@ -40,6 +38,7 @@ from damages import (
     truncate,
     wrong_in,
 )
+from framed import FRAMED, turn_the_world
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from layouts import (
@@ -69,7 +68,6 @@ from z2r.check import Answer, parts_in
 from z2r.format.tables import EPISODE_COLUMNS
 from z2r.pusht import checks as checks_module
 from z2r.pusht.scene import SCENE, PushTScene
-from z2r.pusht.task import ACTION_NAMES
 from z2r.reading.verdict import verdict_path
 
 pytestmark = pytest.mark.filterwarnings("error")  # a warning of numpy would end up on the screen
@@ -138,6 +136,7 @@ def test_a_damage_is_named(kind, tmp_path, opened):
     assert damage.reader is None or any(finding.severity == "error" for finding in audit.findings), said(audit)
     for finding in audit.findings:
         assert finding.check != AUDIT.name
+        assert finding.frame is None or finding.check in FRAMED
         assert str(finding).isprintable()
         assert len(str(finding).replace(str(root), "")) <= 400  # a command names the folder
 
@@ -150,13 +149,6 @@ def test_nothing_is_said_of_a_whole_dataset(base, tmp_path):
     BASES[base](tmp_path / "dataset")
     audit = silent(tmp_path / "dataset")
     assert audit.exit_code == 0
-
-
-def turn_the_world(root: Path) -> None:
-    """Turn the table that everything stands on by half a turn: the same story, seen from the other side."""
-    everything = (*POSITIONS, *SIN_COS, *TARGET_SIN_COS, *ACTION_NAMES)
-    BASES["split"](root)
-    change_values(everything, np.negative)(root)
 
 
 def mirror_the_world(root: Path) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from arm_bench import NAMED, try_damage
 from arm_damages import KINDS, write_case
+from framed import FRAMED
 from healthy import HEALTHY, write_healthy
 from hypothesis import given
 from hypothesis import strategies as st
@@ -86,7 +87,9 @@ def test_nothing_is_wrong_with_what_is_healthy(name, tmp_path):
 @pytest.mark.parametrize(("check", "case"), [each for each in MADE_TO_FAIL.items() if each[0] != "limits"])
 def test_a_check_speaks_of_the_fault_that_it_is_about(check, case, tmp_path):
     planted = write_case(*case, tmp_path / "dataset")
-    said = [finding for finding in z2r.audit(tmp_path / "dataset").findings if finding.check == check]
+    findings = z2r.audit(tmp_path / "dataset").findings
+    assert {finding.check for finding in findings if finding.frame is not None} <= FRAMED.keys()
+    said = [finding for finding in findings if finding.check == check]
     assert any(planted.is_named_by(str(finding)) for finding in said), said
 
 

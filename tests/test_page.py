@@ -13,12 +13,19 @@ import pyarrow.parquet as pq
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 from filmed import CAMERAS, FPS, FRONT, LENGTHS, video, write_filmed, write_photographed, write_video
+from framed import FRAMED, READ_AS
+from msgspec.structs import replace
 from playwright.sync_api import Page, expect
 from robots import JOINTS, write_arm
 from test_report import Elements, data_of, pictures_in
 from test_report_in_browser import expect_frame, open_file, open_report
 
 import z2r
+from z2r.api import choose_reading
+from z2r.audits.findings import Finding
+from z2r.check import SEVERITIES
+from z2r.pusht.task import ACTION_NAMES, STATE_NAMES
+from z2r.reading.inspection import inspect_dataset
 from z2r.show import report
 from z2r.show.page.films import read_films
 
@@ -268,16 +275,64 @@ def test_a_click_on_a_finding_goes_to_its_frame(damaged, open_report):
     finding.get_by_role("link", name="3, frame 20").click()
     expect(page.get_by_role("combobox", name="Episode")).to_have_value("3")
     expect_frame(page, 20)
-    cursor, mark = (
-        page.locator(f"#plots figure >> nth=0 >> {part}").first.get_attribute("x1")
-        for part in (".cursor", ".found.error")
-    )
+    chart = page.locator("#plots figure", has_text="sin_tee_yaw")
+    cursor, mark = (chart.locator(part).get_attribute("x1") for part in (".cursor", ".found.error"))
     assert cursor == mark
     ribbon = page.get_by_role("img", name="Episodes by length")
     share = z2r.load(damaged).episodes.from_index[3] / z2r.load(damaged).episodes.n_frames
     expect(ribbon.locator(".flag.error")).to_have_attribute("x", f"{100 * share:.3f}%")
     expect(page.locator(".audited")).to_contain_text("error")
     assert Axe().run(page).violations_count == 0
+
+
+def write_framed(check: str, folder: Path) -> tuple[z2r.Dataset, list[Finding]]:
+    """Write a page with the findings of one check that name a frame, and no others; return them as they stand there."""
+    FRAMED[check](folder / "dataset")
+    dataset = z2r.load(folder / "dataset")
+    audit = z2r.audit(dataset, z2r.break_mode(READ_AS[check]) if check in READ_AS else None)
+    said = [each for each in audit.findings if each.check == check and each.frame is not None]
+    inspection = inspect_dataset(dataset, reading=choose_reading(dataset.schema), keep=dataset.episodes.n_frames)
+    report.write_report(inspection, folder / "page.html", audit=replace(audit, findings=tuple(said)))
+    return dataset, sorted(said, key=lambda each: SEVERITIES.index(each.severity))
+
+
+@pytest.mark.parametrize("check", FRAMED)
+def test_a_click_on_a_finding_lands_on_its_frame(check, open_file, tmp_path):
+    dataset, findings = write_framed(check, tmp_path)
+    assert findings
+    page = open_file(tmp_path / "page.html")
+    links = page.locator(".finding a[href*=frame]")
+    expect(links).to_have_count(len(findings))
+    for finding, link in zip(findings, links.all(), strict=True):
+        page.evaluate("go('#episode=1&frame=7')")  # from elsewhere
+        expect_frame(page, 7)
+        link.click()
+        episode = int(np.sum(dataset.episodes.to_index <= finding.frame))
+        expect(page.get_by_role("combobox", name="Episode")).to_have_value(f"{episode}")
+        expect_frame(page, finding.frame - int(dataset.episodes.from_index[episode]))
+        for place in re.findall(r"episode (\d+), frame (\d+)", finding.field):  # which some say themselves
+            expect(link).to_have_text(", frame ".join(place))
+
+
+MARKED = {
+    "unit-circle": {"sin_tee_yaw", "cos_tee_yaw"},
+    "unit-quaternion": {"qx", "qy", "qz", "qw"},
+    "jump": {"tee_x"},
+    "action-range": {"pusher_vx", "pusher_vy"},
+    "overlap": {*STATE_NAMES, *ACTION_NAMES, "Distance to the target", "Turned away from the target"},
+}
+
+
+@pytest.mark.parametrize("check", MARKED)
+def test_a_finding_marks_the_traces_that_it_is_about(check, open_file, tmp_path):
+    write_framed(check, tmp_path)
+    page = open_file(tmp_path / "page.html")
+    page.locator(".finding a[href*=frame]").first.click()
+    expect(page.locator(".found").first).to_be_attached()
+    assert (
+        set(page.locator(".trace", has=page.locator(".found")).locator("figcaption b").all_inner_texts())
+        == MARKED[check]
+    )
 
 
 def test_the_keyboard_alone_goes_to_the_frame_of_a_finding_and_on_from_there(damaged, open_report):

@@ -1,5 +1,6 @@
 """What goes into a page: the summary, the readings, what the audit found, and the frames that it has room for."""
 
+import re
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -7,6 +8,7 @@ import numpy as np
 
 from z2r.arrays import Bools, Columns, Ints
 from z2r.audits.audit import Audit
+from z2r.audits.findings import Finding
 from z2r.audits.following import pairs_of
 from z2r.errors import printable
 from z2r.format.about import cameras_of
@@ -28,6 +30,9 @@ from z2r.show.page.films import Film, read_films
 WRONG_READINGS = ("yaw-swap", "yaw-swap-everywhere", "drop-boundaries")
 
 MAX_EPISODES = 500  # to pick from: more are no list
+
+_PLACE = re.compile(r" (?:in|of) (?:row|episode|frame)\b")  # what follows says where, and not what
+_WORD = "(?<![A-Za-z0-9_.]){}(?![A-Za-z0-9_.])"
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,6 +199,19 @@ class Content:
         episode = int(np.flatnonzero(self.shown.numbers == place[0])[0])
         at = int(self.shown.from_index[episode]) + place[1]
         return at if at < self.shown.to_index[episode] else None
+
+    def columns_of(self, finding: Finding) -> list[int] | None:
+        """Say which of `columns` a finding names: all of a feature where it names that alone; None where it names none.
+
+        It says so in its field: ``observation.state[x] in ...``, or ``observation.state: x, y in row 3``.
+        """
+        named = [name for name in self.frames if re.match(rf"{re.escape(name)}(?![\w.])", finding.field)]
+        if not named:
+            return None
+        name = max(named, key=len)
+        said, labels = _PLACE.split(finding.field.removeprefix(name), maxsplit=1)[0], self.schema.features[name].labels
+        dims = [dim for dim, label in enumerate(labels) if re.search(_WORD.format(re.escape(label)), said)]
+        return [self.place(name, dim) for dim in dims or range(len(labels))]
 
     def label(self, pose: str) -> str:
         """Say what to call the body of a pose, or what a goal is about."""

@@ -224,8 +224,9 @@ function svg(name, attributes = {}, ...children) {
  * @param {HTMLElement} figure
  * @param {string} label
  * @param {Kind[]} kinds
+ * @param {number[]} [own] the columns that are drawn
  */
-function makeTrace(figure, label, kinds) {
+function makeTrace(figure, label, kinds, own = []) {
   const shade = svg("rect", { class: "band", width: "100%" });
   const lines = kinds.map((kind) => svg("polyline", { class: `line ${kind}` }));
   const cursor = svg("line", { class: "cursor", y1: 0, y2: "100%" });
@@ -275,7 +276,7 @@ function makeTrace(figure, label, kinds) {
       shade.setAttribute("y", `${scale(to)}%`);
       shade.setAttribute("height", `${scale(from) - scale(to)}%`);
       axis.replaceChildren(...axisParts({ scale, place, bottom, top, edge, said, values: values[0] }));
-      marks.replaceChildren(...findingMarks(place));
+      marks.replaceChildren(...findingMarks(place, own));
     },
     /** @param {number} frame */
     setFrame(frame) {
@@ -291,13 +292,15 @@ function makeTrace(figure, label, kinds) {
 }
 
 /**
- * A line wherever a finding is in this episode.
+ * A line wherever a finding about one of these columns, or about whole frames, is in this episode.
  * @param {(frame: number) => string} place
+ * @param {number[]} own
  */
-function* findingMarks(place) {
+function* findingMarks(place, own) {
   const [first, last] = span();
-  for (const { at, severity } of page.findings) {
+  for (const { at, columns: about, severity } of page.findings) {
     if (at === null || at < first || last <= at) continue;
+    if (about && !about.some((column) => own.includes(column))) continue;
     const x = place(at - first);
     yield svg("line", { class: `found ${severity}`, x1: x, x2: x, y2: "100%" });
   }
@@ -508,9 +511,9 @@ function makeChart(chart) {
   figure.append(caption);
   const greatest = Math.max(...chart.ends.map((end) => Math.abs(end ?? 0)));
   const digits = Math.min(Math.max(4 - Math.ceil(Math.log10(greatest || 1)), 0), 8);
-  const kinds = series.map(([kind]) => kind);
-  const trace = makeTrace(figure, `${chart.group}: ${chart.name} over time`, kinds);
-  return { ...chart, figure, trace, values, digits, columns: series.map(([, column]) => columns[column]) };
+  const [kinds, own] = [series.map(([kind]) => kind), series.map(([, column]) => column)];
+  const trace = makeTrace(figure, `${chart.group}: ${chart.name} over time`, kinds, own);
+  return { ...chart, figure, trace, values, digits, columns: own.map((column) => columns[column]) };
 }
 
 function makeCharts() {

@@ -73,10 +73,15 @@ def _film_data(film: Film) -> dict[str, Any]:
 
 
 def _findings_data(content: Content) -> list[dict[str, Any]]:
-    """Where to put the marks: of each finding its episodes, and its frame, counted from the first that is shown."""
+    """Where to put the marks: of each finding its episodes, its columns, and its frame, counted over the page."""
     findings = content.audit.findings if content.audit else ()
     return [
-        {"severity": each.severity, "episodes": each.episodes, "at": content.shown_frame(each.frame)}
+        {
+            "severity": each.severity,
+            "episodes": each.episodes,
+            "columns": content.columns_of(each),
+            "at": content.shown_frame(each.frame),
+        }
         for each in findings
     ]
 

@@ -96,6 +96,8 @@ interface Film {
 interface Finding {
   severity: Severity;
   episodes: number[];
+  /** Whose traces it marks; null for all, where it is about the whole frame. */
+  columns: number[] | null;
   /** The frame, counted from the first that the page holds. */
   at: number | null;
 }
