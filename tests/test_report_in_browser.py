@@ -11,7 +11,7 @@ import pyarrow.parquet as pq
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 from damages import BASES
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, Locator, Page, expect
 from robots import write_arm, write_hand
 from test_report import HOSTILE, make_hostile
 
@@ -174,6 +174,60 @@ def test_the_mouse_scrubs_and_picks(open_report):
     expect(page.get_by_role("button", name="Next episode")).to_be_disabled()
     page.get_by_role("button", name="Previous episode").click()
     expect(page.get_by_role("combobox", name="Episode")).to_have_value("4")
+
+
+def seconds_of(plot: Locator) -> list[float]:
+    """The seconds that stand at the axis of a chart."""
+    return [float(each.removesuffix(" s")) for each in plot.locator(".tick").all_text_contents()]
+
+
+IN_THE_MIDDLE = "() => Math.abs(parseFloat(document.querySelector('.trace .cursor').getAttribute('x1')) - 50) < 1"
+
+
+def across(plot: Locator) -> float:
+    """Where the frame is that is shown, in percent of the width of a chart."""
+    return float(plot.locator(".cursor").get_attribute("x1").removesuffix("%"))
+
+
+def test_charts_come_closer_around_the_frame_and_follow_it(open_report):
+    page = open_report(z2r.STANDIN)
+    plot = page.get_by_role("img", name="Distance to the target over time")
+    whole, lines = seconds_of(plot), plot.locator(".line").get_attribute("points")
+    for _ in range(3):
+        page.keyboard.press("Shift+ArrowRight")
+    expect_frame(page, 30)
+    for _ in range(2):
+        page.keyboard.press("+")
+    last = int(z2r.load(z2r.STANDIN).episodes.lengths[0]) - 1
+    assert all(
+        3 - last / 80 <= second <= 3 + last / 80 for second in seconds_of(plot)
+    )  # a quarter, at 10 frames a second
+    assert len(seconds_of(plot)) >= 3
+    page.wait_for_function(IN_THE_MIDDLE)
+    page.keyboard.press("Shift+ArrowRight")
+    expect_frame(page, 40)
+    page.wait_for_function(IN_THE_MIDDLE)
+    assert max(seconds_of(plot)) > 4
+    for _ in range(2):
+        page.keyboard.press("-")
+    assert (seconds_of(plot), plot.locator(".line").get_attribute("points")) == (whole, lines)
+
+
+def test_a_double_click_brings_a_chart_closer_and_back(open_report):
+    page = open_report(z2r.STANDIN)
+    plot = page.get_by_role("img", name="Distance to the target over time")
+    whole, last = seconds_of(plot), int(z2r.load(z2r.STANDIN).episodes.lengths[0]) - 1
+    middle = {"x": plot.bounding_box()["width"] / 2, "y": 20}
+    plot.dblclick(position=middle)
+    expect_frame(page, round(last / 2))
+    assert whole[0] < seconds_of(plot)[0]
+    assert seconds_of(plot)[-1] < whole[-1]
+    plot.click(position={"x": 1, "y": 20})
+    expect_frame(page, round(last / 2 - last / 8))
+    plot.dblclick(position=middle)
+    assert seconds_of(plot) == whole
+    page.get_by_role("combobox", name="Episode").select_option("2")
+    assert across(plot) == 0
 
 
 @pytest.mark.parametrize("name", SHIPPED)

@@ -17,11 +17,16 @@ const CHARTS = 24; // that are drawn at once
 /** @type {Uint8Array[]} */
 let held = []; // a bit for each goal and frame: whether it is within its limits
 const right = page.readings[0];
+const CLOSEST = 10; // frames
+/** @type {Record<string, number>} */
+const ZOOMS = { "+": 1 / 2, "=": 1 / 2, "-": 2 };
 /** @type {{reading: Reading, episode: number, frame: number, listed: number[], firstChart: number}} */
 const now = { reading: right, episode: 0, frame: 0, listed: [], firstChart: 0 };
 /** @type {{frame: number, since: number} | null} */
 let playing = null; // since when, and from which frame on
 let drawing = false;
+/** @type {[number, number]} */
+let zoom = [0, 1]; // from where to where in the episode the charts go
 
 /**
  * @param {PageData} data
@@ -123,6 +128,7 @@ const episodeAt = (at, { episodes } = now.reading) => episodes.findIndex(([from,
 /** @param {number} episode */
 function chooseEpisode(episode, frame = 0) {
   now.episode = episode;
+  zoom = [0, 1];
   if (!now.listed.includes(episode)) {
     byId("filter").value = "all"; // whoever goes to an episode wants to see it
     listEpisodes();
@@ -157,6 +163,7 @@ const neighbour = (step) => now.listed[now.listed.indexOf(now.episode) + step] ?
 /** @param {number} frame */
 function chooseFrame(frame) {
   now.frame = Math.min(Math.max(frame, 0), nFrames() - 1);
+  if (!isInSight(now.frame)) zoomBy(1);
   if (drawing) return; // keys can repeat faster than the screen is drawn
   drawing = true;
   requestAnimationFrame(drawFrame);
@@ -242,7 +249,7 @@ function makeTrace(figure, label, kinds, own = []) {
   area.append(plot, readout);
   figure.append(area);
   scrubWith(plot);
-  const place = (/** @type {number} */ frame) => `${nFrames() > 1 ? (100 * frame) / (nFrames() - 1) : 0}%`;
+  const place = (/** @type {number} */ frame) => `${across(frame)}%`;
   /** @type {(value: number) => number} */
   let scale;
   /** @type {Values[]} */
@@ -255,7 +262,7 @@ function makeTrace(figure, label, kinds, own = []) {
     for (const end of ["x1", "x2"]) hover.setAttribute(end, place(frame));
     hover.setAttribute("visibility", "visible");
     readout.textContent = `${(frame / page.fps).toFixed(2)} s: ${read(frame)}`;
-    readout.classList.toggle("left", frame > nFrames() / 2);
+    readout.classList.toggle("left", across(frame) > 50);
   });
   plot.addEventListener("pointerleave", () => {
     hover.setAttribute("visibility", "hidden");
@@ -301,6 +308,7 @@ function* findingMarks(place, own) {
   for (const { at, columns: about, severity } of page.findings) {
     if (at === null || at < first || last <= at) continue;
     if (about && !about.some((column) => own.includes(column))) continue;
+    if (!isInSight(at - first)) continue;
     const x = place(at - first);
     yield svg("line", { class: `found ${severity}`, x1: x, x2: x, y2: "100%" });
   }
@@ -328,7 +336,8 @@ function axisParts({ scale, place, bottom, top, edge, said, values }) {
     const [side, x, dx] = far(values[0]) >= far(values[values.length - 1]) ? ["left", 0, 5] : ["right", "100%", -4];
     parts.push(text(said, { class: `limit ${side}`, x, dx, y: `${scale(edge)}%`, dy: -4 }));
   }
-  for (const second of ticks((nFrames() - 1) / page.fps)) {
+  const seconds = zoom.map((share) => (share * (nFrames() - 1)) / page.fps);
+  for (const second of ticks(seconds[0], seconds[1])) {
     parts.push(text(second || "0 s", { class: "tick", x: place(second * page.fps), y: "100%", dy: 14 }));
   }
   return parts;
@@ -345,14 +354,17 @@ function text(content, attributes) {
 }
 
 /**
- * Round numbers from 0 to an end, three to six of them.
+ * Round numbers from a start to an end, three to six of them.
+ * @param {number} start
  * @param {number} end
  */
-function ticks(end) {
-  if (!(end > 0)) return [0];
-  const power = 10 ** Math.floor(Math.log10(end / 3));
-  const step = power * ([5, 2].find((factor) => end / (factor * power) >= 2.5) ?? 1);
-  return Array.from({ length: Math.floor(end / step + 1e-9) + 1 }, (_, i) => Number((i * step).toPrecision(6)));
+function ticks(start, end) {
+  if (!(end > start)) return [0];
+  const power = 10 ** Math.floor(Math.log10((end - start) / 3));
+  const step = power * ([5, 2].find((factor) => (end - start) / (factor * power) >= 2.5) ?? 1);
+  const first = Math.ceil(start / step - 1e-9);
+  const n = Math.floor(end / step + 1e-9) - first + 1;
+  return Array.from({ length: n }, (_, i) => Number(((first + i) * step).toPrecision(6)));
 }
 
 /**
@@ -362,13 +374,12 @@ function ticks(end) {
  */
 function thinned(values, scale) {
   const step = Math.max(1, Math.ceil(values.length / 600));
-  const last = Math.max(values.length - 1, 1);
   const points = [];
   for (let start = 0; start < values.length; start += step) {
     const piece = values.subarray(start, start + step).filter(Number.isFinite);
     if (!piece.length) continue;
     const ends = step === 1 ? [piece[0]] : [Math.min(...piece), Math.max(...piece)];
-    for (const value of ends) points.push(`${(100 * start) / last},${scale(value)}`);
+    for (const value of ends) points.push(`${across(start)},${scale(value)}`);
   }
   return points.join(" ");
 }
@@ -378,17 +389,50 @@ const short = (value) => (Number.isInteger(value) ? value : Number(value.toPreci
 
 /**
  * @param {Element} plot
- * @param {PointerEvent} event
+ * @param {MouseEvent} event
  */
 function frameUnder(plot, event) {
   const box = plot.getBoundingClientRect();
   const share = (event.clientX - box.left) / box.width;
-  return Math.round(Math.min(Math.max(share, 0), 1) * (nFrames() - 1));
+  const [from, to] = zoom;
+  return Math.round((from + Math.min(Math.max(share, 0), 1) * (to - from)) * (nFrames() - 1));
+}
+
+/**
+ * Where a frame is, in percent of the width of a chart.
+ * @param {number} frame
+ */
+function across(frame) {
+  const [from, to] = zoom;
+  return nFrames() > 1 ? (100 * (frame / (nFrames() - 1) - from)) / (to - from) : 0;
+}
+
+/** @param {number} frame */
+function isInSight(frame) {
+  return across(frame) > -1e-6 && across(frame) < 100 + 1e-6;
+}
+
+/**
+ * Show a part of the episode in the charts, so many times as long as now, around a frame.
+ * @param {number} times
+ * @param {number} [around]
+ */
+function zoomBy(times, around = now.frame) {
+  const last = Math.max(nFrames() - 1, 1);
+  const width = Math.min(Math.max((zoom[1] - zoom[0]) * times, Math.min(CLOSEST / last, 1)), 1);
+  const from = Math.min(Math.max(around / last - width / 2, 0), 1 - width);
+  zoom = [from, from + width];
+  drawGoals();
+  drawCharts();
 }
 
 /** @param {SVGElement} plot */
 function scrubWith(plot) {
   const scrub = (/** @type {PointerEvent} */ event) => event.buttons === 1 && pickFrame(frameUnder(plot, event));
+  plot.addEventListener("dblclick", (event) => {
+    zoomBy(zoom[1] - zoom[0] < 1 ? 1 / (zoom[1] - zoom[0]) : 1 / 4, frameUnder(plot, event));
+    pickFrame(now.frame);
+  });
   plot.addEventListener("pointerdown", scrub);
   plot.addEventListener("pointermove", scrub);
 }
@@ -757,7 +801,10 @@ function onKey(event) {
   const episodes = { ArrowUp: -1, ArrowDown: 1 };
   if (event.key in frames) pickFrame(frames[event.key]);
   else if (event.key in episodes) pickEpisode(neighbour(episodes[event.key]));
-  else if (event.key === " " && target.tagName !== "BUTTON") toggle();
+  else if (event.key in ZOOMS) {
+    zoomBy(ZOOMS[event.key]);
+    pickFrame(now.frame);
+  } else if (event.key === " " && target.tagName !== "BUTTON") toggle();
   else return;
   event.preventDefault();
 }
