@@ -337,8 +337,8 @@ function axisParts({ scale, place, bottom, top, edge, said, values }) {
     parts.push(text(said, { class: `limit ${side}`, x, dx, y: `${scale(edge)}%`, dy: -4 }));
   }
   const seconds = zoom.map((share) => (share * (nFrames() - 1)) / page.fps);
-  for (const second of ticks(seconds[0], seconds[1])) {
-    parts.push(text(second || "0 s", { class: "tick", x: place(second * page.fps), y: "100%", dy: 14 }));
+  for (const [i, second] of ticks(seconds[0], seconds[1]).entries()) {
+    parts.push(text(i ? second : `${second} s`, { class: "tick", x: place(second * page.fps), y: "100%", dy: 14 }));
   }
   return parts;
 }
