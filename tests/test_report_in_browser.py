@@ -176,6 +176,40 @@ def test_the_mouse_scrubs_and_picks(open_report):
     expect(page.get_by_role("combobox", name="Episode")).to_have_value("4")
 
 
+COUNT_SEARCHES = """
+window.searches = 0;
+for (const kind of [Document, Element])
+  for (const name of ["querySelector", "querySelectorAll", "getElementsByClassName"]) {  // an id is looked up at once
+    const search = kind.prototype[name];
+    if (search) kind.prototype[name] = function (...what) { window.searches += 1; return search.apply(this, what); };
+  }
+"""
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_a_step_lays_the_page_out_once_and_searches_nothing_in_it(name, open_file, tmp_path):
+    z2r.write_report(z2r.load(name), tmp_path / "report.html")
+    page = open_file(tmp_path / "report.html", COUNT_SEARCHES)
+    counts = page.context.new_cdp_session(page)
+    counts.send("Performance.enable")
+
+    def layouts() -> int:
+        metrics = {each["name"]: each["value"] for each in counts.send("Performance.getMetrics")["metrics"]}
+        return int(metrics["LayoutCount"])
+
+    page.keyboard.press("ArrowRight")  # which stops what moves by itself, and decodes what is decoded once
+    page.wait_for_timeout(300)
+    assert page.evaluate("window.searches") > 0  # the page was made with some
+    page.evaluate("window.searches = 0")
+    before = layouts()
+    for _ in range(5):
+        page.evaluate(
+            """() => { document.body.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowRight", bubbles: true }));
+            return new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))); }"""
+        )
+    assert (page.evaluate("window.searches"), layouts() - before) == (0, 5)
+
+
 def seconds_of(plot: Locator) -> list[float]:
     """The seconds that stand at the axis of a chart."""
     return [float(each.removesuffix(" s")) for each in plot.locator(".tick").all_text_contents()]
