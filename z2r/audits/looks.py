@@ -163,7 +163,11 @@ def looks_of_glances(filmed: Filmed, glances: Glances) -> Looks:
     }
     n_episodes = len(runs.claims.stored.episodes.value.table.number)
     return Looks(
-        runs.claims, list(looks.values()), twins, glances.faults, [*_unseen(glances, n_episodes), *_unfit(looks)]
+        runs.claims,
+        list(looks.values()),
+        twins,
+        glances.faults,
+        [*_unseen(glances, n_episodes), *_unfit(looks, n_episodes)],
     )
 
 
@@ -262,7 +266,7 @@ def _held_against_the_robot(look: Look, seen: Mapping[int, Glance], runs: Runs, 
     takes = {
         int(look.number[row]): Take(glance.cells, glance.frame / fps, paths[row].places, paths[row].frames / fps)
         for row, glance in seen.items()
-        if moves[row] and row in paths
+        if moves[row] and row in paths and np.isfinite(paths[row].places).all()
     }
     fits, astray, late = fit(takes)
     wrong = np.isin(look.number, list(astray))
@@ -355,9 +359,12 @@ def _unseen(glances: Glances, n_episodes: int) -> Iterator[str]:
             yield f"what {camera} shows in {n_episodes - len(seen):,} of {n_episodes:,} episodes: too little is decoded"
 
 
-def _unfit(looks: Mapping[str, Look]) -> Iterator[str]:
+def _unfit(looks: Mapping[str, Look], n_episodes: int) -> Iterator[str]:
     names = [camera for camera, look in looks.items() if np.isnan(look.fits)]
-    if names:
+    if n_episodes < _MIN_EPISODES:
+        few = f"fewer than {_MIN_EPISODES} episodes"
+        yield f"whether the pictures of {some(names)} are alike, and show where the robot is: there are {few}"
+    elif names:
         yield f"whether the pictures of {some(names)} show where the robot is: too little of it is seen in them"
 
 

@@ -24,7 +24,7 @@ _GRAINS_APART, _LEVELS_APART = 0.5, 0.5  # of a logarithm: a factor of 1.6
 _FITS, _FITS_TURNED = 0.4, 0.55  # of the distance: less is left where a guess is right, and where it is turned
 _COLOURLESS = 3  # grey levels between the channels, on average
 _DARK, _WHITE = 24, 250
-_COVERED, _BURNT = 0.08, 0.25  # of the picture
+_COVERED, _MUCH_COVERED, _BURNT = 0.08, 0.25, 0.25  # of the picture
 
 _TURNS: dict[str, Callable[[Floats], Floats]] = {
     "upside down": lambda view: view[::-1, ::-1],
@@ -99,12 +99,11 @@ def _turned(own: _Views, others: Mapping[str, _Views]) -> list[Unlike]:
     middle = int(candidates[np.argmin([np.median(_far(own.flat, own.flat[row])) for row in candidates])])
     at = own.rows[middle]
     seen = [(said, view) for said, other in others.items() for view in other.views[other.rows == at]]
-    says = dict[str, list[int]]()
+    says, usual = dict[str, list[int]](), own.views[middle]
     for row, view in zip(own.rows.tolist(), own.views, strict=True):
-        usual = own.views[middle]
         far = _apart(view, usual)
         left, said = _nearest(view, usual, seen)
-        said = said if far >= _TURNED_APART and left <= _FITS_TURNED * far else _lacks(view, usual)
+        said = said if far >= _TURNED_APART and left <= _FITS_TURNED * far else _lacks(view, usual, _MUCH_COVERED)
         if said:
             says.setdefault(said, []).append(row)
     return [
@@ -191,18 +190,18 @@ def _guess(view: Floats, usual: Floats, strangers: list[tuple[str, Floats]]) -> 
     left, said = _nearest(view, usual, strangers)
     if left <= _FITS * _apart(view, usual):
         return said
-    return _lacks(view, usual)
+    return _lacks(view, usual, _COVERED)
 
 
-def _lacks(view: Floats, usual: Floats) -> str:
-    """Say what is missing in a view."""
+def _lacks(view: Floats, usual: Floats, covered_at_least: float) -> str:
+    """Say what is missing in a view. Where nothing else says that it differs, a dark thing in it must be large."""
     if np.ptp(view, axis=-1).mean() <= _COLOURLESS < np.ptp(usual, axis=-1).mean() / _GAP:
         return "without colour"
     burnt = ((view >= _WHITE).all(axis=-1) & (usual < _WHITE).any(axis=-1)).mean()
     if burnt >= _BURNT:
         return f"white in {burnt:.0%} of the picture"
     covered = ((view <= _DARK).all(axis=-1) & (usual > _DARK).any(axis=-1)).mean()
-    return f"black in {covered:.0%} of the picture" if covered >= _COVERED else ""
+    return f"black in {covered:.0%} of the picture" if covered >= covered_at_least else ""
 
 
 def _nearest(view: Floats, usual: Floats, strangers: list[tuple[str, Floats]]) -> tuple[float, str]:
