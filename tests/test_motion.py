@@ -38,9 +38,8 @@ SILENT: dict[str, set[str]] = {
     "normalised-state": {"one"},
     "key-stuck": {"place"},
     "normalised-clipped": {"half"},
-    "copy-trimmed": {"one"},
-    "copy-shifted": {"one"},
     "copy-resampled": {"one"},
+    "out-of-order": {"place"},
     "task-of-one": {"one"},
     "splits-empty": {"all"},
     "done-never": {"half", "one"},  # as in an episode that was cut off

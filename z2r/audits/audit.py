@@ -24,6 +24,7 @@ from z2r.audits import (
     labels,
     motion,
     pictures,
+    quantiles,
     readiness,
     scales,
     stats,
@@ -62,7 +63,9 @@ NOTHING_AUDITED = 3
 
 MAX_OF_A_CHECK = 5  # findings in detail: a fault that is in every file would hide the others
 
-PARTS = parts_in(structure, index, tasks, values, joints, scales, motion, stats, labels, readiness, cameras, pictures)
+PARTS = parts_in(
+    structure, index, tasks, values, joints, scales, motion, stats, quantiles, labels, readiness, cameras, pictures
+)
 """What every dataset is asked, in the order in which findings come."""
 
 
@@ -423,7 +426,7 @@ def _not_checked(claims: Claims, sums: Sequence[FileSums], scene: Scene | None) 
         yield f"the values of {some(wide)}: more than {MAX_SIGNAL_SIZE} numbers a frame"
     if claims.misread:
         yield f"stored statistics of {some(claims.misread.features)}: of what is stored, whatever that is taken for"
-    yield "stored quantiles (q01, q10 ...): LeRobot estimates them, so they need not be those of the data"
+    yield "stored quantiles (q01, q10 ...) against the frames: LeRobot estimates them, episode by episode"
     yield "whether the text of a task is true, and whether the demonstrations are any good"
 
 

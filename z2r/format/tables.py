@@ -32,7 +32,8 @@ EPISODE_COLUMNS = (
     "data/file_index",
 )
 STATISTICS = ("count", "min", "max", "mean", "std")
-"""Of each feature, as LeRobot names them; the quantiles, which it estimates, are left out."""
+QUANTILES = ("q01", "q10", "q50", "q90", "q99")
+"""Of each feature, as LeRobot names them; the quantiles it estimates."""
 
 _MAX_STATS_BYTES = 64 * 2**20
 
@@ -148,7 +149,9 @@ class ShardStatistics(NamedTuple):
     stored: dict[str, Columns]
 
 
-def read_shard_statistics(root: Path, shard: Path, features: Mapping[str, Feature]) -> Read[ShardStatistics]:
+def read_shard_statistics(
+    root: Path, shard: Path, features: Mapping[str, Feature], kinds: Sequence[str] = STATISTICS
+) -> Read[ShardStatistics]:
     """Read the statistics that stand in a shard, which `read_episodes` found to be readable, beside its episodes."""
     path, faults = root / shard, []
     parquet = open_parquet(path)
@@ -156,15 +159,15 @@ def read_shard_statistics(root: Path, shard: Path, features: Mapping[str, Featur
     stored: dict[str, Columns] = {}
     for name, feature in features.items():
         try:
-            stored[name] = _statistics_of(parquet, path, name, feature)
+            stored[name] = _statistics_of(parquet, path, name, feature, kinds)
         except DatasetError as error:
             faults.append(error.fault.relative_to(root))
     return Read(ShardStatistics(numbers, stored), tuple(faults))
 
 
-def _statistics_of(parquet: pq.ParquetFile, path: Path, name: str, feature: Feature) -> Columns:
+def _statistics_of(parquet: pq.ParquetFile, path: Path, name: str, feature: Feature, kinds: Sequence[str]) -> Columns:
     present = parquet.schema_arrow.names
-    columns = {kind: f"stats/{name}/{kind}" for kind in STATISTICS if f"stats/{name}/{kind}" in present}
+    columns = {kind: f"stats/{name}/{kind}" for kind in kinds if f"stats/{name}/{kind}" in present}
     table = read_columns(parquet, path, list(columns.values()))
     return {
         kind: vectors(table, column, (1,) if kind == "count" else feature.shape, path)
