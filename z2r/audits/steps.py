@@ -45,9 +45,9 @@ class RunSteps(NamedTuple):
     marks : ndarray, float64[n_runs, 12 * size]
         Some frames, a quarter of a second apart: what tells a demonstration from another. NaN beyond its end.
     sketch : ndarray, uint64[n_runs, 8]
-        The least of eight hashes of its frames, each with the one before it, in which half of what moves does: two runs
-        have as many of them in common as frames, wherever these begin (Broder, "On the resemblance and containment of
-        documents", 1997). `NO_SKETCH` where there is no such frame.
+        The least of eight hashes of its frames, each with the one before it, in which at least half as many columns move
+        as do at most: two runs have as many of them in common as frames, wherever these begin (Broder, "On the
+        resemblance and containment of documents", 1997). `NO_SKETCH` where there is no such frame.
     """
 
     at: Floats
@@ -233,7 +233,8 @@ def _repeated(moving: Bools, starts: Ints) -> Floats:
 
 
 def _sketch(prints: NDArray[np.uint64], n_moving: Ints, starts: Ints) -> NDArray[np.uint64]:
-    told = n_moving >= max(1, (n_moving.max() + 1) // 2)
+    most = np.repeat(np.maximum.reduceat(n_moving, starts), np.diff(starts, append=len(n_moving)))
+    told = n_moving >= np.maximum(1, (most + 1) // 2)
     told[starts] = False
     both = prints[1:] * _MIXERS[1] + prints[:-1]
     both ^= both >> np.uint64(31)
