@@ -45,7 +45,7 @@ class RunSteps(NamedTuple):
     marks : ndarray, float64[n_runs, 12 * size]
         Some frames, a quarter of a second apart: what tells a demonstration from another. NaN beyond its end.
     sketch : ndarray, uint64[n_runs, 8]
-        The least of eight hashes of its frames, each with the one before it, in which at least half as many columns move
+        The least of eight hashes of its frames, each with the one before, in which at least half as many columns move
         as do at most: two runs have as many of them in common as frames, wherever these begin (Broder, "On the
         resemblance and containment of documents", 1997). `NO_SKETCH` where there is no such frame.
     """
