@@ -27,6 +27,7 @@ from z2r.audits import (
     pictures,
     quantiles,
     readiness,
+    relations,
     scales,
     stats,
     structure,
@@ -43,6 +44,7 @@ from z2r.audits.joints import Joints
 from z2r.audits.labels import Labels, fold_labels, join_labels
 from z2r.audits.looks import Looks, looks_of_glances, looks_of_sizes
 from z2r.audits.readiness import fold_idle
+from z2r.audits.relations import keep_moments, moments_to_keep
 from z2r.audits.runs import FileSums, Runs, join_blocks, join_runs
 from z2r.audits.steps import moves, run_sums
 from z2r.audits.tasks import fold_tasks
@@ -65,7 +67,20 @@ NOTHING_AUDITED = 3
 MAX_OF_A_CHECK = 5  # findings in detail: a fault that is in every file would hide the others
 
 PARTS = parts_in(
-    structure, index, tasks, values, joints, scales, motion, stats, quantiles, labels, readiness, cameras, pictures
+    structure,
+    index,
+    tasks,
+    values,
+    joints,
+    scales,
+    motion,
+    relations,
+    stats,
+    quantiles,
+    labels,
+    readiness,
+    cameras,
+    pictures,
 )
 """What every dataset is asked, in the order in which findings come."""
 
@@ -278,7 +293,8 @@ def _fold_files[T](
     executor: Executor | None,
 ) -> tuple[list[FileSums], list[T]]:
     schema, numbers, pairs = claims.schema, claims.stored.task_numbers, pairs_of(claims.schema, claims.reading)
-    fold = partial(_fold_block, claims.root, schema, numbers, claims.reading, pairs, scene, pictures)
+    n_moments = moments_to_keep(schema, len(claims.table.number))
+    fold = partial(_fold_block, claims.root, schema, numbers, claims.reading, pairs, scene, pictures, n_moments)
     work = partial(_read_and_fold, claims.root, schema, _wants_whole_files(claims, scene), fold, beside)
     sums, made = [], []
     for part, other in in_order(work, files, executor):
@@ -357,6 +373,7 @@ def _fold_block(
     pairs: Sequence[Pair],
     scene: Scene | None,
     pictures: bool,
+    n_moments: int,
     claims: FileClaims,
     read: DataColumns,
     last: _Block | None,
@@ -389,6 +406,7 @@ def _fold_block(
             tasks=fold_tasks(frames),
             images=sum_images(images),
             places=sum_places(frames) if pictures else None,
+            moments=keep_moments(schema, signals, starts, n_moments) if n_moments and signals else None,
         )
         return _Block(kept, said, index.known_after(frames), usual, reach)
     except Exception as error:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from z2r.arrays import Floats, Ints, join
 from z2r.audits.claims import Claims
@@ -46,6 +47,8 @@ class FileSums(NamedTuple):
         Of each feature whose pictures stand in it.
     places : ndarray, float32[n_runs, 129, size], or None
         Where the robot is, from `sum_places`; only where pictures are decoded.
+    moments : ndarray, float32[n_runs, n_moments, 2, n_columns], or None
+        What all columns are at some moments, from `keep_moments`; None where that would be too much.
     """
 
     n_rows: int | None
@@ -61,6 +64,7 @@ class FileSums(NamedTuple):
     tasks: Ints | None = None
     images: dict[str, ImageSums] = {}  # noqa: RUF012
     places: Floats | None = None
+    moments: NDArray[np.float32] | None = None
 
 
 class Runs(NamedTuple):
@@ -80,7 +84,7 @@ class Runs(NamedTuple):
         Of each feature that could be read in all of these files.
     steps : dict of str to RunSteps
         Of those of them that were observed or done.
-    idle, tasks : as in `FileSums`
+    idle, tasks, moments : as in `FileSums`
         None where they are of some of these files.
     """
 
@@ -94,6 +98,7 @@ class Runs(NamedTuple):
     steps: dict[str, RunSteps]
     idle: Ints | None
     tasks: Ints | None
+    moments: NDArray[np.float32] | None
 
     @property
     def n_frames(self) -> Floats:
@@ -129,7 +134,14 @@ def join_blocks(blocks: Sequence[FileSums]) -> FileSums:
         tasks=join(tasks),
         images=join_images([block.images for block in blocks]),
         places=join([block.places for block in blocks]),
+        moments=_joined_moments(blocks),
     )
+
+
+def _joined_moments(parts: Sequence[FileSums]) -> NDArray[np.float32] | None:
+    """Put the moments of all parts after each other; None where they are of other columns."""
+    widths = {part.moments.shape[-1] for part in parts if part.moments is not None}
+    return join([part.moments for part in parts]) if len(widths) == 1 else None
 
 
 def join_runs(claims: Claims, files: Sequence[FileClaims], sums: Sequence[FileSums]) -> Runs | None:
@@ -155,6 +167,7 @@ def join_runs(claims: Claims, files: Sequence[FileClaims], sums: Sequence[FileSu
         steps={name: join_steps([part.steps[name] for _, part in parts]) for name in shared if name in moved},
         idle=join([part.idle for _, part in parts]),
         tasks=join([_shifted(part.tasks, int(first)) for first, (_, part) in zip(firsts, parts, strict=True)]),
+        moments=_joined_moments([part for _, part in parts]),
     )
 
 

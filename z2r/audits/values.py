@@ -22,6 +22,9 @@ _FURTHER = 10  # times the step that is usual: no sensor of a moving robot was s
 _MIN_EPISODES = 5  # from fewer nothing can be said about what is usual
 _LONG = 40  # frames: a sensor may well stand still for less
 _NEARLY_ALL = 0.9  # of the episodes
+_ALWAYS, _SOMETIMES = 0.95, 0.75  # of the frames: what noise moves in all of them, and how much less is too little
+_OFTEN, _SELDOM = 0.1, 0.15  # the same of what moves in some of them
+_FEW = 0.3  # of the episodes
 
 
 FINITE = Check("finite", "there is no NaN, no infinity, and no gap", "error")
@@ -114,6 +117,26 @@ def no_sensor_is_frozen(runs: Runs) -> Iterator[Answer]:
         place = f"{STATE}{feature.at(column)} in episode {runs.number[run]}"
         named = episodes_of(runs.number, wrong[:, column])
         yield Fault(DATA_DIR, place, found, "a value that moves, as in the other episodes", episodes=named)
+
+
+@FROZEN.of(Runs)
+def no_other_sensor_stands(runs: Runs) -> Iterator[Answer]:
+    """Does a column beside the state stand in an episode for far more frames than in nearly all others?
+
+    What it measures may have rested: a note.
+    """
+    long = runs.n_frames >= _LONG
+    for name in (each for each in runs.steps if each not in (STATE, ACTION) and long.sum() >= _MIN_EPISODES):
+        share = runs.steps[name].moves / runs.n_frames[:, None]  # (n_runs, size)
+        usual, low = (np.quantile(share[long], each, axis=0) for each in (0.5, 0.25))
+        limit = np.where(usual >= _ALWAYS, _SOMETIMES * low, _SELDOM * low) * (usual > _OFTEN)
+        wrong = (share < limit) & long[:, None]
+        for column in np.flatnonzero(wrong.any(axis=0) & (wrong.mean(axis=0) <= _FEW)).tolist():
+            run = int(np.where(wrong[:, column], share[:, column], np.inf).argmin())
+            place = f"{name}{runs.claims.schema.features[name].at(column)} in episode {runs.number[run]}"
+            found = f"a value that moves in {share[run, column]:.0%} of the frames{and_more(wrong[:, column])}"
+            expected, named = f"in about {usual[column]:.0%}", episodes_of(runs.number, wrong[:, column])
+            yield "note", Fault(DATA_DIR, place, found, expected, "Was the sensor lost, or at rest?", named)
 
 
 @FROZEN.of(Runs)
