@@ -39,8 +39,9 @@ class RunSteps(NamedTuple):
         the frame to which it leaps; and how many frames it rested.
     repeated : ndarray, float64[n_runs, 1]
         How many frames repeat the one before, in all columns, between two that do not.
-    marks : ndarray, float64[n_runs, 12 * size]
-        Some frames, a quarter of a second apart: what tells a demonstration from another. NaN beyond its end.
+    marks : ndarray, float32 or float64[n_runs, 12 * size], or None
+        Some frames, a quarter of a second apart: what tells a demonstration from another. NaN beyond its end. Of the
+        state, and of nothing else.
     """
 
     at: Floats
@@ -57,7 +58,7 @@ class RunSteps(NamedTuple):
     stall_at: Floats
     stall_length: Floats
     repeated: Floats
-    marks: Floats
+    marks: Floats | None
 
 
 def moves(name: str) -> bool:
@@ -85,7 +86,7 @@ def is_a_turn(steps: Floats | float, spans: Floats | float) -> Bools:
     return a_turn
 
 
-def run_sums(values: Array, starts: Ints, fps: float) -> tuple[RunStats, RunSteps]:
+def run_sums(values: Array, starts: Ints, fps: float | None = None) -> tuple[RunStats, RunSteps]:
     """Sum up one feature for each run; a run begins at each of `starts` and ends where the next begins.
 
     Parameters
@@ -94,8 +95,8 @@ def run_sums(values: Array, starts: Ints, fps: float) -> tuple[RunStats, RunStep
         All finite; there is at least one row.
     starts : ndarray, int64[n_runs]
         The first of them is 0.
-    fps : float
-        Frames per second, by which `RunSteps.marks` are chosen.
+    fps : float, optional
+        Frames per second, by which `RunSteps.marks` are chosen; none are unless given.
     """
     count = np.diff(starts, append=len(values))
     moving = np.zeros(len(values), dtype=bool)
@@ -110,7 +111,11 @@ def run_sums(values: Array, starts: Ints, fps: float) -> tuple[RunStats, RunStep
         steps.append(_column_steps(numbers, change, size, stats[-1]["step"], starts, count))
     return (
         RunStats(n=count.astype(np.float64), **_stacked(stats)),
-        RunSteps(**_stacked(steps), repeated=_repeated(moving, starts)[:, None], marks=_marks(values, starts, fps)),
+        RunSteps(
+            **_stacked(steps),
+            repeated=_repeated(moving, starts)[:, None],
+            marks=None if fps is None else _marks(values, starts, fps),
+        ),
     )
 
 
@@ -131,11 +136,6 @@ def count_in_runs(those: Bools, starts: Ints) -> Floats:
 def run_of(rows: Ints, starts: Ints) -> Ints:
     """Return the run that each of some rows is in, int64[n]."""
     return np.searchsorted(starts, rows, side="right") - 1
-
-
-def join_steps(parts: Sequence[RunSteps]) -> RunSteps:
-    """Put the runs of all files after each other."""
-    return RunSteps(*(np.concatenate(each) for each in zip(*parts, strict=True)))
 
 
 def _stacked(columns: Sequence[dict[str, Floats]]) -> dict[str, Floats]:
@@ -221,7 +221,8 @@ def _repeated(moving: Bools, starts: Ints) -> Floats:
 def _marks(values: Array, starts: Ints, fps: float) -> Floats:
     stops = np.append(starts[1:], len(values))
     rows = starts[:, None] + max(1, round(_MARK_EVERY * fps)) * np.arange(_MARKS)  # (n_runs, 12)
-    marks = values[np.minimum(rows, len(values) - 1)].astype(np.float64)  # (n_runs, 12, size)
+    numbers = np.result_type(values, np.float32)
+    marks = values[np.minimum(rows, len(values) - 1)].astype(numbers)  # (n_runs, 12, size)
     marks[rows >= stops[:, None]] = np.nan
     flat: Floats = marks.reshape(len(starts), -1)
     return flat
