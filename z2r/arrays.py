@@ -29,7 +29,7 @@ def no_progress(done: int, total: int) -> None:
 
 
 class Pile:
-    """Rows that are put after each other as they come: of arrays, of lists, or of tuples and dicts of them.
+    """Rows that are put after each other as they come: of arrays, of lists, or of named tuples and dicts of them.
 
     What is None, or not there, in some part, is so in the whole. Each array is written once into memory that has room
     for more, which costs nothing before it is used: many small parts that wait to be joined would be held twice.

@@ -1,5 +1,6 @@
 """What is read of one data file, and what is kept of it? All that the checks need, and nothing else stays in memory."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -70,6 +71,10 @@ class FileColumns(NamedTuple):
     claims: FileClaims
     schema: Schema
     read: DataColumns
+
+    def in_order(self, faults: Mapping[str, Fault]) -> list[Fault]:
+        """List faults of columns in the order of the features, whichever was seen first."""
+        return [faults[name] for name in self.schema.features if name in faults]
 
 
 class Before(NamedTuple):

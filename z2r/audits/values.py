@@ -31,8 +31,8 @@ FINITE = Check("finite", "there is no NaN, no infinity, and no gap", "error")
 @FINITE.of(FileColumns)
 def finite(file: FileColumns) -> Iterator[Answer]:
     """Is every value a number?"""
-    yield from file.read.missing.values()
-    yield from file.read.unfinite.values()
+    yield from file.in_order(file.read.missing)
+    yield from file.in_order(file.read.unfinite)
 
 
 @Check("unit-circle", "sin² + cos² is 1 for every angle that is stored as (sin, cos)", "error").of(FileFrames)
