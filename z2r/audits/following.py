@@ -223,11 +223,6 @@ def fold_following(
     return Following((stops - starts).astype(np.float64), **each), now
 
 
-def join_following(parts: Sequence[Following]) -> Following:
-    """Put the runs of all files after each other."""
-    return Following(*(np.concatenate(each) for each in zip(*parts, strict=True)))
-
-
 class _Lag(NamedTuple):
     """In which way a column follows (1: by its change), how many frames later, in which range, and how closely."""
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from z2r.arrays import Array, Bools, Ints
 from z2r.errors import DatasetError, Fault, some
-from z2r.format.store import check_no_pointer, fault_of, open_mapped
+from z2r.format.store import check_no_pointer, fault_of, open_mapped, open_streamed
 
 # The last one: pyarrow meets a damaged column name.
 _UNREADABLE = (pa.ArrowException, OSError, UnicodeDecodeError)
@@ -24,6 +24,7 @@ NUMERIC = "numbers, one for each frame"
 _MAX_NUMBERS = 2**28  # at a time: 1 GiB of float32
 _MAX_NUMBERS_OF_A_FILE = 2**32  # in blocks: what a footer claims beyond that is no recording
 _BLOCK = 2**21  # numbers: 8 MiB of float32
+_BUFFER = 2**20  # bytes of a column of a row group that is larger than a block
 _MAX_BLOBS, _MAX_BLOB_BYTES = 64, 2**27  # at a time
 
 
@@ -100,8 +101,10 @@ def read_blocks(
         yield read_columns(file, path, columns, n_rows)
         return
     for groups in _blocks_of_row_groups(file, _leading_row_groups(file, n_rows), at_once):
-        try:  # mapped anew: what was read of the file before need not stay in memory
-            part = pq.ParquetFile(open_mapped(path), metadata=file.metadata)
+        try:  # opened anew: what was read of the file before need not stay in memory
+            is_large = file.metadata.row_group(groups[0]).num_rows > at_once
+            opened, buffer = (open_streamed(path), _BUFFER) if is_large else (open_mapped(path), 0)
+            part = pq.ParquetFile(opened, metadata=file.metadata, buffer_size=buffer, pre_buffer=False)
             for batch in part.iter_batches(at_once, row_groups=groups, columns=list(columns)):
                 n_read += len(batch)
                 yield pa.Table.from_batches([batch])
