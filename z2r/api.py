@@ -18,7 +18,8 @@ from z2r.audits.beliefs import Beliefs
 from z2r.audits.explain import EXPLANATIONS, Explanation, read_explanations
 from z2r.check import Check
 from z2r.data import READINGS_DIR, find_dataset
-from z2r.errors import DatasetError, Fault
+from z2r.data.urls import place_of
+from z2r.errors import DatasetError, Fault, one_error
 from z2r.format.dataset import Dataset
 from z2r.format.dataset import load as load_folder
 from z2r.format.schema import Schema, read_schema
@@ -139,14 +140,16 @@ def reading_for(root: Path) -> Reading | None:
         return None
 
 
+@one_error()
 def load(dataset: str | os.PathLike[str]) -> Dataset:
     """Read the two structural facts of a LeRobot v3 dataset; its frames are read when asked for.
 
     Parameters
     ----------
     dataset : str or path
-        The folder that holds ``meta/`` and ``data/``; the name of a dataset that ships, such as ``standin``; or one of
-        the hub, such as ``lerobot/pusht``, that was downloaded before: nothing is fetched.
+        The folder that holds ``meta/`` and ``data/``; the name of a dataset that ships, such as ``standin``; one of the
+        hub, such as ``lerobot/pusht``, that was downloaded before; or a URL such as ``s3://bucket/dataset``: nothing
+        else is fetched.
 
     Raises
     ------
@@ -162,6 +165,7 @@ def load(dataset: str | os.PathLike[str]) -> Dataset:
     return load_folder(find_dataset(dataset))
 
 
+@one_error()
 def inspect_dataset(
     dataset: Dataset | str | os.PathLike[str],
     mode: BreakMode | None = None,
@@ -203,6 +207,7 @@ def inspect_dataset(
     return inspections.inspect_dataset(dataset, mode, reading, progress, keep, executor)
 
 
+@one_error()
 def audit(
     dataset: Dataset | str | os.PathLike[str],
     mode: BreakMode | None = None,
@@ -254,6 +259,7 @@ def audit(
     return audits.audit(root, mode, reading, scene_of(reading), progress, executor, pictures=pictures)
 
 
+@one_error()
 def audit_beliefs(
     dataset: Dataset | str | os.PathLike[str],
     reading: Reading | None = None,
@@ -290,6 +296,7 @@ def audit_beliefs(
     return beliefs.audit_beliefs(root, reading, scene_of(reading), progress, executor)
 
 
+@one_error()
 def write_replay(
     dataset: Dataset | str | os.PathLike[str],
     path: str | os.PathLike[str],
@@ -338,6 +345,7 @@ def write_replay(
     return replay.write_replay(inspection, Path(path), scene_of(inspection.reading))
 
 
+@one_error()
 def write_report(
     dataset: Dataset | str | os.PathLike[str],
     path: str | os.PathLike[str],
@@ -377,6 +385,7 @@ def write_report(
     return reports.write_report(inspection, path, scene_of(inspection.reading), found)
 
 
+@one_error()
 def panel(dataset: Dataset | str | os.PathLike[str], reading: Reading | None = None) -> Panel:
     """Show a dataset in a notebook, as `write_report` shows it: put the call last in a cell.
 
@@ -405,6 +414,7 @@ def panel(dataset: Dataset | str | os.PathLike[str], reading: Reading | None = N
     return reports.panel(inspection, scene_of(inspection.reading))
 
 
+@one_error()
 def infer_action(dataset: Dataset | str | os.PathLike[str], reading: Reading | None = None) -> tuple[DrivenColumn, ...]:
     """Say of every dimension of the action what it is, from the data alone.
 
@@ -434,7 +444,7 @@ def _folder(dataset: str | os.PathLike[str]) -> Path:
     try:
         return find_dataset(dataset)
     except DatasetError:
-        return Path(dataset)
+        return place_of(dataset)
 
 
 def _loaded(dataset: Dataset | str | os.PathLike[str]) -> Dataset:

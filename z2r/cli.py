@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, NamedTuple, NoReturn
 import rich_click as click
 
 from z2r.data import MESSY, STANDIN, find_dataset
-from z2r.errors import DatasetError, MissingExtraError, count
-from z2r.format.store import exists, folder_name, outside, write
+from z2r.errors import DatasetError, MissingExtraError, count, one_error
+from z2r.format.store import exists, folder_name, is_far, outside, write
 from z2r.pusht.task import DEMO_NOISE, MAX_STEPS
 from z2r.reading.breaks import BREAK_MODES, BreakMode
 
@@ -35,6 +35,7 @@ _FORMATS = ("text", "json", "sarif", "junit", "github")
 _SMOKE_STEPS = 40
 _SHIPPED_EPISODES = 6
 _NO_REPLAY = "no replay, which needs rerun. In a clone of the course: pip install '.[view]'"
+_NO_REPLAY_FROM_FAR = "no replay, which would fetch pictures: --rerun writes one"
 _MODES_HELP = "What each MODE believes:\n\n" + "\n\n".join(
     f"- `{mode.name}`: {mode.assumption}" for mode in BREAK_MODES.values()
 )
@@ -47,7 +48,8 @@ def main() -> None:
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")  # a character that a terminal lacks is no reason to end
     try:
-        cli(prog_name="z2r")
+        with one_error():
+            cli(prog_name="z2r")
     except (DatasetError, MissingExtraError) as error:
         _stop(f"{error}")
     except OSError as error:  # what has no name and is written to is a disk or a pipe behind the standard output
@@ -72,10 +74,10 @@ def cli() -> None:
 def _names_a_dataset(command: Callable[..., None]) -> Callable[..., None]:
     """Take a dataset as an argument or by --dataset, and hand it to the command as its first argument."""
 
-    @click.argument("dataset", type=click.Path(path_type=Path), required=False)
-    @click.option("--dataset", "named", type=click.Path(path_type=Path), metavar="DATASET", help="The same as DATASET.")
+    @click.argument("dataset", type=click.Path(), required=False)
+    @click.option("--dataset", "named", type=click.Path(), metavar="DATASET", help="The same as DATASET.")
     @functools.wraps(command)
-    def with_dataset(dataset: Path | None, named: Path | None, **options: object) -> None:
+    def with_dataset(dataset: str | None, named: str | None, **options: object) -> None:
         if dataset and named and dataset != named:
             raise click.UsageError(f"found two datasets, {dataset} and --dataset {named}, expected one: leave one out")
         command(dataset or named, **options)
@@ -161,7 +163,7 @@ class _AuditCommand(click.RichCommand):
 @click.option("--salvage", is_flag=True, help="Of a dataset that was cut off, read the episodes that are whole.")
 @click.option("--json", "as_json", is_flag=True, help="Print `metrics.json` and nothing else.")
 def inspect(
-    dataset: Path | None,
+    dataset: str | None,
     *,
     episodes: int | None,
     episode: int | None,
@@ -178,7 +180,8 @@ def inspect(
 
     DATASET is the folder of a LeRobot v3 dataset, or the name of one that comes with the package: `standin` (read
     where none is named), `messy` or `arm`; or `user/name` as on the hub, where it was downloaded before: `z2r ls` lists
-    them. It is never written to, and nothing is fetched.
+    them; or a URL: `s3://bucket/dataset`, `gs://...`, `hf://datasets/user/name`, `file://...`. It is never written to,
+    and nothing is fetched unless a URL is named: then only what is needed, and no replay is written without `--rerun`.
 
     A dataset seldom stores success. It is reconstructed from the last stored frame of each episode, by a reading: which
     column means what, and what counts as reached.
@@ -190,12 +193,13 @@ def inspect(
     """
     from z2r.show.terminal import console, graded
 
-    with_replay = _can_replay(rerun, otherwise=not (smoke or as_json))
     wanted = _Wanted(episodes or _SHIPPED_EPISODES, seed or 0, _SMOKE_STEPS if smoke else MAX_STEPS)
     afresh = smoke or seed is not None
     if dataset and afresh:
         raise click.UsageError("--seed and --smoke record afresh: leave DATASET out, or leave them out")
-    root = _record_afresh(out, wanted, quiet=as_json) if afresh else find_dataset(dataset)
+    named = find_dataset(dataset)
+    with_replay = _can_replay(rerun, otherwise=not (smoke or as_json or is_far(named)))
+    root = _record_afresh(out, wanted, quiet=as_json) if afresh else named
     title = "recorded afresh" if afresh else folder_name(root)
     for name in ("metrics.json", "inspect.rrd"):
         outside(root, out / name)
@@ -214,7 +218,7 @@ def inspect(
     if with_replay:
         _write_replay(inspection, out / "inspect.rrd", screen, episode)
     elif rerun is None and not smoke:
-        screen.print(_NO_REPLAY, soft_wrap=True)
+        screen.print(_NO_REPLAY_FROM_FAR if is_far(root) else _NO_REPLAY, soft_wrap=True)
     if as_json:
         click.echo(metrics, nl=False)
 
@@ -408,7 +412,7 @@ def _write_replay(inspection: "Inspection", path: Path, screen: "Console", episo
     help="The page to write.",
 )
 @click.option("--audit/--no-audit", "with_audit", default=True, help="Show what is wrong with it. [default: audit]")
-def report(dataset: Path | None, *, reading: "Reading | None", out: Path, with_audit: bool) -> None:
+def report(dataset: str | None, *, reading: "Reading | None", out: Path, with_audit: bool) -> None:
     """Write a page that shows a dataset: play an episode, step through it, read it wrong and watch what happens.
 
     DATASET is named as for `z2r inspect`. It is never written to.
@@ -463,7 +467,7 @@ def report(dataset: Path | None, *, reading: "Reading | None", out: Path, with_a
 )
 @click.option("--json", "form", flag_value="json", help="The same as `--format json`.")
 def audit(
-    dataset: Path | None,
+    dataset: str | None,
     *,
     reading: "Reading | None",
     mode: BreakMode | str | None,
@@ -587,7 +591,7 @@ def explain(check: str | None) -> None:
     metavar="FILE.toml",
     help="The file to write. [default: the terminal]",
 )
-def reading(dataset: Path | None, *, out: Path | None) -> None:
+def reading(dataset: str | None, *, out: Path | None) -> None:
     """Draft a reading: what the columns of a dataset mean, as far as its data tells, and what is left to fill in.
 
     A reading says which column means what, and what counts as reached. Other commands take it with `--reading`.

@@ -45,6 +45,7 @@ from z2r.audits.runs import FileSums, Runs, join_runs
 from z2r.audits.steps import moves, run_sums
 from z2r.audits.tasks import fold_tasks
 from z2r.check import SEVERITIES, Check, asked_of, parts_in
+from z2r.data.urls import place_of
 from z2r.errors import DatasetError, count, some
 from z2r.format.about import cameras_of
 from z2r.format.dataset import in_order
@@ -227,7 +228,7 @@ def audit_beside[T](
     """
     if pictures:
         check_can_decode()
-    root = Path(root)
+    root = place_of(root)
     try:
         claims = claims_under(mode, root, reading) if mode else read_claims(root, reading)
     except DatasetError as error:

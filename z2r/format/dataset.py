@@ -18,7 +18,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from z2r.arrays import Array, Columns, Progress, no_progress
-from z2r.errors import DatasetError, printable
+from z2r.data.urls import place_of
+from z2r.errors import DatasetError, one_error, printable
 from z2r.format import parquet, rules
 from z2r.format.episodes import DataFile, EpisodeIndex, EpisodeTable, shard_paths
 from z2r.format.misread import Misread
@@ -74,6 +75,7 @@ class Dataset:
         end = int(episodes.to_index[-1])
         return replace(self, episodes=episodes, files=tuple(file for file in self.files if file.from_index < end))
 
+    @one_error()
     def read(self, feature: str) -> Array:
         """Read one feature of every frame.
 
@@ -103,7 +105,7 @@ def load(root: str | os.PathLike[str]) -> Dataset:
     DatasetError
         If it is no whole LeRobot v3 dataset.
     """
-    root = Path(root)
+    root = place_of(root)
     schema = read_schema(root)
     episodes, files = _read_episodes(root, schema)
     return Dataset(root, schema, episodes, files)
