@@ -169,7 +169,7 @@ def test_the_extras_are_made_of_one_another():
     core = {Requirement(line).name for line in PROJECT["dependencies"]}
     assert core == {"jinja2", "lazy-loader", "msgspec", "numpy", "pyarrow", "rich", "rich-click"}
     assert requirements("view") == {"matplotlib", "rerun-sdk"}
-    assert requirements("all") == requirements("view", "video")
+    assert requirements("all") == requirements("view", "video", "remote")
     assert requirements("record") == requirements("sim") | {"lerobot"}
     assert requirements("notebook") == requirements("view", "sim")
     assert requirements("course") == requirements("notebook") | {"jupyterlab", "jupytext", "nbclient"}

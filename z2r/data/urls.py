@@ -23,6 +23,11 @@ class Url(Path):
     Url('s3://bucket/dataset/meta/info.json')
     """
 
+    def with_segments(self, *segments: str | os.PathLike[str]) -> "Url":
+        """Return what joining these makes: a URL begins anew, as a path from the top does."""
+        begins = [place for place, segment in enumerate(segments) if isinstance(segment, Url)]
+        return Url(*segments[begins[-1] if begins else 0 :])
+
     def __str__(self) -> str:
         scheme, *parts = self.parts
         return f"{scheme}//{'/'.join(parts)}"

@@ -2,22 +2,22 @@
 
 A small file, and one of the metadata, which is read again and again, comes whole and is kept for a while. Of another
 one, whoever reads it names the ranges that are needed; they come in pieces, side by side. What else is read of it comes
-when it is read. A store that is late, or answers with an error, is asked again: the library that speaks to it does so.
+when it is read. A store that is late, cuts its answer off or says that it failed is asked again.
 
 Arrow's own file systems read S3 and GCS, and fsspec the rest. They look for credentials where the tools of each store
 keep them: in the environment (``AWS_ACCESS_KEY_ID``, ``AWS_PROFILE``, ``AWS_ENDPOINT_URL``, ``HF_TOKEN`` ...) and in
 files.
 """
 
-import contextlib
 import os
 import re
 import threading
+import time
 from collections import OrderedDict
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from datetime import timedelta
-from functools import cache
+from functools import cache, partial
 from typing import Any, NamedTuple, Self
 from urllib.parse import urlsplit
 
@@ -30,8 +30,9 @@ from z2r.errors import DatasetError, Fault, MissingExtraError, Unreachable
 type Range = tuple[int, int]
 """From which byte of a file on, and up to which."""
 
-_TRIES = 5
+_OF_ARROW = ("s3", "gs")
 _PATIENCE = 20.0  # s without a byte
+_PAUSES = (0.2, 0.6, 1.8, 5.4)  # s, before a store that failed is asked again
 _WHOLE = 2**16  # bytes: a file up to this size comes whole, as the end of a larger one does
 _KEPT = 2**28  # bytes of files that came whole
 _AT_ONCE = 2**30  # bytes of one file: LeRobot begins a new one every 100 MB
@@ -65,6 +66,13 @@ _n_fetched = 0
 def bytes_fetched() -> int:
     """Return how many bytes this process has fetched."""
     return _n_fetched
+
+
+def forget() -> None:
+    """Forget what was fetched, and who was asked: the environment may name others now."""
+    for asked in (_arrow_files, _fsspec_files):
+        asked.cache_clear()
+    _kept.clear()
 
 
 class FarFile(pa.PythonFile):  # type: ignore[misc]
@@ -193,8 +201,7 @@ def list_far(url: Url) -> list[Url]:
         If they cannot be listed.
     """
     try:
-        with _asking(url):
-            keys = _list(url)
+        keys = _ask(url, partial(_list, url))
     except FileNotFoundError:
         return []
     return sorted(Url(f"{url.scheme}://") / key.strip("/") for key in keys)
@@ -254,48 +261,58 @@ def _merged(ranges: Iterable[Range], size: int) -> list[Range]:
 
 def _read(url: Url, opened: _Opened, start: int, stop: int) -> bytes:
     global _n_fetched
-    with _asking(url):
+
+    def ask() -> bytes:
         read = opened.read(start, stop)
-    if len(read) != stop - start:
-        found = f"{len(read):,} bytes from byte {start:,} on: it was cut off, or is another now"
-        raise Unreachable(Fault(url, "", found, f"{stop - start:,}", "Try again"))
+        if len(read) != stop - start:
+            raise OSError(f"{len(read):,} of {stop - start:,} bytes: it was cut off, or has another size now")
+        return read
+
+    read = _ask(url, ask)
     with _lock:
         _n_fetched += len(read)
     return read
 
 
-@contextlib.contextmanager
-def _asking(url: Url) -> Iterator[None]:
-    """Say of a file what a store says of it, whatever sort of error its library makes of that."""
-    try:
-        yield
-    except (FileNotFoundError, MissingExtraError):
-        raise
-    except Exception as error:
-        said = (str(error) or type(error).__name__).splitlines()[0]
-        found = re.sub(r".*AWS Error ", "", said)
-        mend = _KEYS.get(url.scheme, "") if _DENIED.search(said) else _AGAIN.get(url.scheme, "Try again")
-        raise Unreachable(Fault(url, "", found, "an answer from where it is stored", mend)) from None
+def _ask[T](url: Url, question: Callable[[], T]) -> T:
+    """Ask a store, and again where it fails; say what it says, whatever sort of error its library makes of that."""
+    pauses = iter(_PAUSES)
+    while True:
+        try:
+            return question()
+        except (FileNotFoundError, MissingExtraError):
+            raise
+        except Exception as error:
+            said = (str(error) or type(error).__name__).splitlines()[0]
+        is_denied, pause = _DENIED.search(said), next(pauses, None)
+        if is_denied or pause is None:
+            mend = _KEYS.get(url.scheme, "") if is_denied else _AGAIN.get(url.scheme, "Try again")
+            found = re.sub(r".*AWS Error ", "", said)
+            raise Unreachable(Fault(url, "", found, "an answer from where it is stored", mend))
+        time.sleep(pause)
 
 
 def _open(url: Url) -> _Opened:
-    with _asking(url):
-        if url.scheme in ("s3", "gs"):
-            file = _arrow_files(url.scheme, os.getpid()).open_input_file(url.key)
-            return _Opened(file.size(), str(file.metadata()), lambda start, stop: file.read_at(stop - start, start))
-        files = _fsspec_files(url.scheme, os.getpid())
-        info = files.info(url.key)
-        if info["type"] != "file":
-            raise FileNotFoundError(str(url))
-        version = str([info.get(name) for name in ("blob_id", "created")])
-        # As it is, fsspec would read megabytes more than it is asked for.
-        return _Opened(
-            info["size"], version, lambda start, stop: files.cat_file(url.key, start, stop, cache_type="none")
-        )
+    return _ask(url, partial(_open_in_arrow if url.scheme in _OF_ARROW else _open_in_fsspec, url))
+
+
+def _open_in_arrow(url: Url) -> _Opened:
+    file = _arrow_files(url.scheme, os.getpid()).open_input_file(url.key)
+    return _Opened(file.size(), str(file.metadata()), lambda start, stop: file.read_at(stop - start, start))
+
+
+def _open_in_fsspec(url: Url) -> _Opened:
+    files = _fsspec_files(url.scheme, os.getpid())
+    info = files.info(url.key)
+    if info["type"] != "file":
+        raise FileNotFoundError(str(url))
+    version = str([info.get(name) for name in ("blob_id", "created")])
+    exact = {"cache_type": "none"}  # else fsspec reads megabytes more than it is asked for
+    return _Opened(info["size"], version, lambda start, stop: files.cat_file(url.key, start, stop, **exact))
 
 
 def _list(url: Url) -> list[str]:
-    if url.scheme in ("s3", "gs"):
+    if url.scheme in _OF_ARROW:
         everything = fs.FileSelector(url.key, allow_not_found=True, recursive=True)
         found = _arrow_files(url.scheme, os.getpid()).get_file_info(everything)
         return [each.path for each in found if each.type == fs.FileType.File]
@@ -307,7 +324,7 @@ def _list(url: Url) -> list[str]:
 def _arrow_files(scheme: str, process: int) -> fs.FileSystem:
     """Return what speaks to a store; each process has its own, since none of them outlives a fork."""
     if scheme == "gs":
-        return fs.GcsFileSystem(retry_time_limit=timedelta(seconds=_TRIES * _PATIENCE))
+        return fs.GcsFileSystem(retry_time_limit=timedelta(seconds=_PATIENCE))
     endpoint = urlsplit(os.environ.get("AWS_ENDPOINT_URL_S3") or os.environ.get("AWS_ENDPOINT_URL") or "")
     return fs.S3FileSystem(
         endpoint_override=endpoint.netloc or None,
@@ -315,7 +332,7 @@ def _arrow_files(scheme: str, process: int) -> fs.FileSystem:
         region=os.environ.get("AWS_REGION") or os.environ.get("AWS_DEFAULT_REGION"),
         connect_timeout=_PATIENCE,
         request_timeout=_PATIENCE,
-        retry_strategy=fs.AwsStandardS3RetryStrategy(max_attempts=_TRIES),
+        retry_strategy=fs.AwsStandardS3RetryStrategy(max_attempts=1),  # `_ask` asks again, and of more than these do
     )
 
 
