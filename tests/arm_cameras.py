@@ -390,6 +390,28 @@ def green_flashes(own: np.ndarray, rng: Rng) -> np.ndarray:
     return own
 
 
+def as_they_were_ready(own: np.ndarray, rng: Rng) -> np.ndarray:
+    """Of three threads that write pictures, the last is always the first to be ready."""
+    order = np.arange(len(own))
+    whole = order[: len(own) // 3 * 3].reshape(-1, 3)
+    whole[:] = whole[:, [2, 0, 1]]
+    return own[order]
+
+
+def under_lamps(own: np.ndarray, rng: Rng) -> np.ndarray:
+    """The light goes with the mains, and the shutter with another rate."""
+    light = 1 + 0.2 * np.sin(2 * np.pi * 0.31 * np.arange(len(own)) + rng.uniform(0, 6))
+    return np.clip(own * light[:, None, None, None], 0, 255).astype(np.uint8)
+
+
+def packets_lost(own: np.ndarray, rng: Rng) -> np.ndarray:
+    """For some frames at a time, the lower part is one colour, or one row again and again."""
+    own, row = own.copy(), own.shape[1] // 2
+    for first in rng.choice(np.arange(4, len(own) - 8), 4, replace=False):
+        own[first : first + 5, row:] = (62, 132, 74) if rng.random() < 0.5 else own[first : first + 5, row : row + 1]
+    return own
+
+
 def snow(own: np.ndarray, rng: Rng) -> np.ndarray:
     return rng.integers(0, 256, own.shape).astype(np.uint8)
 
@@ -602,6 +624,11 @@ ON_PICTURES: dict[str, Kind] = {
     "boxed": Kind("another resize: black bars", seen(boxed), (TOP,), plant=WIDE),
     "torn": Kind("frames are torn: the lower half is older", seen(torn), (TOP,), plant=WIDE),
     "green-flashes": Kind("single frames were not decoded", seen(green_flashes), (TOP,), plant=EVERY),
+    "out-of-order": Kind(
+        "threads wrote the pictures, each when it was ready", seen(as_they_were_ready), (TOP,), plant=WIDE
+    ),
+    "mains-flicker": Kind("lamps flicker with the mains", seen(under_lamps), (TOP,), plant=WIDE),
+    "packets-lost": Kind("packets of the stream were lost", seen(packets_lost), (TOP,), plant=WIDE),
 }
 
 ON_VIDEO_FILES: dict[str, Kind] = {

@@ -1105,6 +1105,12 @@ ON_META: dict[str, Damage] = {
     "stats of another dataset": Damage(
         lambda root: shutil.copy(z2r.MESSY / STATS_PATH, root / STATS_PATH), "stats", STATS_PATH
     ),
+    "stats quantiles halved": Damage(
+        lambda root: edit_stats(root, "action", "q99", lambda v: v / 2), "stats", STATS_PATH, "action.q99"
+    ),
+    "stats quantiles of another unit": Damage(
+        lambda root: edit_stats(root, STATE, "q01", lambda v: np.degrees(v)), "stats", STATS_PATH, f"{STATE}.q01"
+    ),
     "stats without a feature": Damage(lambda root: drop_from_stats(root, "action"), "stats", STATS_PATH, "action"),
     "stats without a statistic": Damage(
         lambda root: drop_from_stats(root, "action", "max"), "stats", STATS_PATH, "action.max"

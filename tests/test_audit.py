@@ -613,7 +613,7 @@ def test_a_check_of_a_scene_that_fails_is_a_finding_and_not_the_end(monkeypatch)
     assert ("verdict", "IndexError: list index out of range") in {(each.field, each.found) for each in audit.findings}
 
 
-@pytest.mark.parametrize("reader", ["read_stats", "read_data_file"])
+@pytest.mark.parametrize("reader", ["read_stats", "read_data_blocks", "read_data_file"])
 def test_a_reader_that_fails_is_a_finding_and_not_the_end(reader, monkeypatch):
     for module in (claims_module, audit_module):
         if hasattr(module, reader):

@@ -745,6 +745,22 @@ def hung_for_a_while(camera: str, episode: int, states: np.ndarray) -> Iterator[
     return (pictures[20 if 20 <= frame < 36 else frame] for frame in range(len(pictures)))
 
 
+def under_lamps(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
+    """A lamp that goes as bright as the mains, seen through a shutter that is not in step with it."""
+    light = 1 + 0.2 * np.sin(2 * np.pi * 0.31 * np.arange(len(states)))
+    return (
+        np.clip(picture * by, 0, 255).astype(np.uint8)
+        for picture, by in zip(film(camera, episode, states), light, strict=True)
+    )
+
+
+def smeared(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
+    """Packets are lost: for some frames, a row is repeated down to the lower edge."""
+    for frame, picture in enumerate(film(camera, episode, states)):
+        row = SIZE[0] // 3 if frame % 20 in range(5, 10) else SIZE[0]
+        yield np.concatenate([picture[:row], np.repeat(255 - picture[row - 1 : row], SIZE[0] - row, axis=0)])
+
+
 TURNED = changed(lambda picture: picture[::-1, ::-1])
 COVERED = changed(lambda picture: np.where(np.arange(SIZE[0])[:, None, None] < SIZE[0] // 3, 8, picture))
 ONE, ODD = r"in episode 3: found pictures ", r"in episodes 1, 3, 5: found pictures "
@@ -781,6 +797,13 @@ SEEN = {
         "warning",
         "in episode 3: found another picture from frame 32",
     ),
+    "lamps that flicker": (
+        only(under_lamps, 3),
+        "camera-leap",
+        "note",
+        r"in episode 3: found a brightness that goes up and down by \d\d of 255",
+    ),
+    "packets lost": (only(smeared, 3), "camera-leap", "note", r"in episode 3: found \d+ leaps of \d\d of 255"),
     "hung for a while": (
         only(hung_for_a_while, 4),
         "camera-frozen",

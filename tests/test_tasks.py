@@ -18,7 +18,7 @@ from test_readiness import found, line_of, obey, one
 import z2r
 from z2r.audits import edit
 from z2r.audits.claims import read_claims
-from z2r.audits.findings import finding
+from z2r.audits.findings import ask
 from z2r.audits.tasks import splits
 from z2r.format.tables import Read, Stated
 
@@ -146,7 +146,7 @@ ends = st.integers(0, 8)
 def test_every_episode_is_in_one_split_or_named(stated):
     said = Read(Stated(splits={name: f"{start}:{stop}" for name, (start, stop) in stated.items()}))
     claims = CLAIMS._replace(stored=CLAIMS.stored._replace(stated=said))
-    told = {(each.severity, each.episodes) for each in (finding(splits.check, answer) for answer in splits.run(claims))}
+    told = {(each.severity, each.episodes) for each in ask([splits], claims)}
     right = [(start, stop) for start, stop in stated.values() if start <= stop <= 6]
     times = [sum(start <= episode < stop for start, stop in right) for episode in range(6)]
     shared, nowhere = (tuple(np.flatnonzero(which).tolist()) for which in (np.array(times) > 1, np.array(times) == 0))

@@ -5,18 +5,19 @@ itself in one place against what it says in another, and goes on.
 """
 
 import os
+import re
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from concurrent.futures import Executor
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import msgspec
 import numpy as np
 from msgspec.structs import replace
 
-from z2r.arrays import Ints, Progress, no_progress
+from z2r.arrays import Floats, Ints, Progress, no_progress
 from z2r.audits import (
     cameras,
     index,
@@ -24,6 +25,7 @@ from z2r.audits import (
     labels,
     motion,
     pictures,
+    quantiles,
     readiness,
     scales,
     stats,
@@ -32,16 +34,16 @@ from z2r.audits import (
     values,
 )
 from z2r.audits.claims import Claims, NoSchema, Stored, claims_under, read_claims
-from z2r.audits.findings import AUDIT, Finding, ask, failed
-from z2r.audits.following import MIN_FRAMES, Pair, fold_following, join_following, pairs_of
+from z2r.audits.findings import AUDIT, Finding, Said, answers, ask, failed, together
+from z2r.audits.following import MIN_FRAMES, Pair, Usual, fold_following, join_following, pairs_of
 from z2r.audits.footage import FileImages, Footage, read_file_images, read_footage, sum_images, sum_places
-from z2r.audits.frames import FileClaims, FileFrames, file_claims
+from z2r.audits.frames import HEAD_FRAMES, Before, FileClaims, FileColumns, FileFrames, file_claims
 from z2r.audits.glances import glance_at, join_filmed
 from z2r.audits.joints import Joints
 from z2r.audits.labels import Labels, fold_labels, join_labels
 from z2r.audits.looks import Looks, looks_of_glances, looks_of_sizes
 from z2r.audits.readiness import fold_idle
-from z2r.audits.runs import FileSums, Runs, join_runs
+from z2r.audits.runs import FileSums, Runs, join_blocks, join_runs
 from z2r.audits.steps import moves, run_sums
 from z2r.audits.tasks import fold_tasks
 from z2r.check import SEVERITIES, Check, asked_of, parts_in
@@ -51,7 +53,7 @@ from z2r.format.about import cameras_of
 from z2r.format.dataset import in_order
 from z2r.format.decoding import check_can_decode
 from z2r.format.schema import ACTION, MAX_SIGNAL_SIZE, Schema
-from z2r.format.tables import DataColumns, read_data_file
+from z2r.format.tables import DataColumns, read_data_blocks, read_data_file
 from z2r.reading.breaks import BreakMode
 from z2r.reading.decode import can_decode, decode
 from z2r.reading.reading import Reading
@@ -63,7 +65,9 @@ NOTHING_AUDITED = 3
 
 MAX_OF_A_CHECK = 5  # findings in detail: a fault that is in every file would hide the others
 
-PARTS = parts_in(structure, index, tasks, values, joints, scales, motion, stats, labels, readiness, cameras, pictures)
+PARTS = parts_in(
+    structure, index, tasks, values, joints, scales, motion, stats, quantiles, labels, readiness, cameras, pictures
+)
 """What every dataset is asked, in the order in which findings come."""
 
 
@@ -275,8 +279,8 @@ def _fold_files[T](
     executor: Executor | None,
 ) -> tuple[list[FileSums], list[T]]:
     schema, numbers, pairs = claims.schema, claims.stored.task_numbers, pairs_of(claims.schema, claims.reading)
-    fold = partial(_fold_file, claims.root, schema, numbers, claims.reading, pairs, scene, pictures)
-    work = partial(_read_and_fold, claims.root, schema, fold, beside)
+    fold = partial(_fold_block, claims.root, schema, numbers, claims.reading, pairs, scene, pictures)
+    work = partial(_read_and_fold, claims.root, schema, _wants_whole_files(claims, scene), fold, beside)
     sums, made = [], []
     for part, other in in_order(work, files, executor):
         sums.append(part)
@@ -285,23 +289,68 @@ def _fold_files[T](
     return sums, made
 
 
+def _wants_whole_files(claims: Claims, scene: Scene | None) -> bool:
+    """Tell whether a data file is read at once: a misreading, a scene and pictures ask of all of its frames."""
+    pictures = any(feature.dtype == "image" for feature in claims.schema.features.values())
+    seen = scene is not None and claims.reading is not None and not claims.reading.missing(claims.schema)
+    return claims.misread is not None or seen or pictures
+
+
+class _Block(NamedTuple):
+    """What is kept of a block of a data file: sums, what is wrong with its rows, and what the next one builds on."""
+
+    sums: FileSums
+    said: Sequence[Said] = ()
+    before: Before | None = None
+    usual: Sequence[Usual] = ()
+    reach: Sequence[Floats] = ()
+
+
 def _read_and_fold[T](
     root: Path,
     schema: Schema,
-    fold: Callable[[FileClaims, DataColumns], FileSums],
+    whole: bool,
+    fold: Callable[[FileClaims, DataColumns, _Block | None], _Block],
     beside: Callable[[Path, DataColumns], T] | None,
     claims: FileClaims,
 ) -> tuple[FileSums, list[T]]:
-    """Read one data file, once for all who want to know of it."""
-    try:
-        read = read_data_file(root, schema, claims.path)
-    except Exception as error:
-        return FileSums(None, [failed(claims.path.as_posix(), error)]), []
-    made = [beside(claims.path, read)] if beside else []
-    return fold(claims, read), made
+    """Read one data file, once for all who want to know of it, and in blocks where it is large."""
+    blocks = _read(root, schema, whole, claims.path)
+    parts: list[_Block] = []
+    made: list[T] = []
+    while True:
+        try:
+            read = next(blocks, None)
+        except Exception as error:
+            return FileSums(None, [failed(claims.path.as_posix(), error)]), []
+        if read is None:
+            break
+        if read.first == 0:
+            parts, made = [], []
+        last = read._replace(first=0, n_rows=None if read.n_rows is None else read.first + read.n_rows, frames={})
+        made += [beside(claims.path, read)] if beside else []
+        parts.append(fold(claims, read, parts[-1] if parts else None))
+    return _fold_file(FileColumns(claims, schema, last), parts), made
 
 
-def _fold_file(
+def _read(root: Path, schema: Schema, whole: bool, path: Path) -> Iterator[DataColumns]:
+    if whole:
+        yield read_data_file(root, schema, path)
+    else:
+        yield from read_data_blocks(root, schema, path, HEAD_FRAMES)
+
+
+def _fold_file(file: FileColumns, blocks: Sequence[_Block]) -> FileSums:
+    """Ask of one data file all that there is to ask, and keep what the others are held against."""
+    failures = [block.sums for block in blocks if block.sums.n_rows is None and block.sums.findings]
+    if failures:
+        return failures[0]
+    said = [*answers(asked_of(FileColumns, PARTS), file), *together(each for block in blocks for each in block.said)]
+    sums = join_blocks([block.sums for block in blocks])
+    return sums._replace(findings=[*(_of_the_file(each.finding, file.claims) for each in said), *sums.findings])
+
+
+def _fold_block(
     root: Path,
     schema: Schema,
     tasks: Ints | None,
@@ -311,35 +360,40 @@ def _fold_file(
     pictures: bool,
     claims: FileClaims,
     read: DataColumns,
-) -> FileSums:
-    """Ask of one data file all that there is to ask, and keep what the others are held against."""
+    last: _Block | None,
+) -> _Block:
+    """Ask of the rows of a block all that there is to ask, and keep what others are held against."""
+    last = last or _Block(FileSums(None, []))
     try:
-        frames = FileFrames(claims, schema, tasks, claims.taken(read))
-        findings = [_of_the_file(each, claims) for each in ask(asked_of(FileFrames, PARTS), frames)]
+        frames = FileFrames(claims, schema, tasks, claims.taken(read), last.before)
+        said = [*answers(asked_of(FileFrames, PARTS), frames)]
         if not frames.read.n_rows:
-            return FileSums(frames.read.n_rows, findings)
+            return _Block(FileSums(frames.read.n_rows, []), said)
         images = read_file_images(root, frames)
-        findings += ask(asked_of(FileImages, PARTS), images)
+        findings = [*ask(asked_of(FileImages, PARTS), images)]
         number, starts, signals = frames.counts.get("episode_index"), frames.run_starts, frames.signals
         sums = {name: run_sums(signal, starts, schema.fps) for name, signal in signals.items()}
         stats = {name: stats for name, (stats, _) in sums.items()}
-        return FileSums(
+        following, usual = fold_following(pairs, signals, starts, frames.head, last.usual)
+        idle, reach = fold_idle(frames, stats, last.reach)
+        kept = FileSums(
             n_rows=frames.read.n_rows,
             findings=findings,
             starts=starts,
             numbers=None if number is None else number[starts],
             stats=stats,
             steps={name: steps for name, (_, steps) in sums.items() if moves(name)},
-            following=fold_following(pairs, signals, starts),
+            following=following,
             labels=fold_labels(frames, reading),
             scene=_fold_scene(scene, frames, reading, findings),
-            idle=fold_idle(frames, stats),
+            idle=idle,
             tasks=fold_tasks(frames),
             images=sum_images(images),
             places=sum_places(frames) if pictures else None,
         )
+        return _Block(kept, said, index.known_after(frames), usual, reach)
     except Exception as error:
-        return FileSums(None, [failed(claims.path.as_posix(), error)])
+        return _Block(FileSums(None, [failed(claims.path.as_posix(), error)]))
 
 
 def _of_the_file(finding: Finding, claims: FileClaims) -> Finding:
@@ -353,7 +407,7 @@ def _fold_scene(scene: Scene | None, frames: FileFrames, reading: Reading | None
         return None
     try:
         decoded = decode(columns, reading, schema)
-        return scene.fold(decoded, frames.claims.base, frames.episodes, schema.fps)
+        return scene.fold(decoded, frames.base, frames.episodes, schema.fps)
     except Exception as error:
         findings.append(failed(f"the scene in {frames.path.as_posix()}", error))
         return None
@@ -412,7 +466,7 @@ def _not_checked(claims: Claims, sums: Sequence[FileSums], scene: Scene | None) 
     yield from _meaning_not_checked(claims, sums, scene)
     yield from _motion_not_checked(claims, sums)
     findings = (finding for part in sums for finding in part.findings)
-    gaps = {finding.field.split("[")[0] for finding in findings if finding.check == values.FINITE.name}
+    gaps = {re.split(r"\[| in row ", each.field)[0] for each in findings if each.check == values.FINITE.name}
     if gaps:
         yield f"jumps, standstill and statistics of {some(sorted(gaps))}: not all values are numbers"
     features = claims.schema.features.items()
@@ -424,7 +478,7 @@ def _not_checked(claims: Claims, sums: Sequence[FileSums], scene: Scene | None) 
         yield f"the values of {some(wide)}: more than {MAX_SIGNAL_SIZE} numbers a frame"
     if claims.misread:
         yield f"stored statistics of {some(claims.misread.features)}: of what is stored, whatever that is taken for"
-    yield "stored quantiles (q01, q10 ...): LeRobot estimates them, so they need not be those of the data"
+    yield "stored quantiles (q01, q10 ...) against the frames: LeRobot estimates them, episode by episode"
     yield "whether the text of a task is true, and whether the demonstrations are any good"
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from z2r.arrays import Columns, Progress, no_progress
@@ -54,10 +54,10 @@ def inspect_and_audit(
     files = {file.path.relative_to(dataset.root): file for file in dataset.files if file.from_index < end}
     fold = _Fold(dataset.root, dataset.schema, files, end, fold_for(dataset, keep))
     audited, made = audit_beside(dataset.root, fold, None, reading, scene, move, executor)
-    parts = dict(each for each in made if each is not None)
-    if len(parts) < len(files):
+    parts = sorted(filter(None, made), key=lambda each: each[0].from_index)
+    if sum(block.to_index - block.from_index for block, _ in parts) < end:
         return inspect_dataset(dataset, None, reading, no_progress, keep, executor), audited
-    return sum_up(dataset, [parts[start] for start in sorted(parts)], None, reading, keep), audited
+    return sum_up(dataset, [part for _, part in parts], None, reading, keep), audited
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,11 +70,16 @@ class _Fold:
     end: int
     fold: Callable[[DataFile, Columns], FileSums]
 
-    def __call__(self, path: Path, read: DataColumns) -> tuple[int, FileSums] | None:
-        """Return the sums and the first frame of a file; None where the inspection does not want it."""
+    def __call__(self, path: Path, read: DataColumns) -> tuple[DataFile, FileSums] | None:
+        """Return the sums of a file, or of a block of it, and which; None where the inspection does not want it."""
         if path not in self.files:
             return None
         file, signals = self.files[path], tuple(self.schema.signals())
-        n_rows = min(file.to_index, self.end) - file.from_index
-        frames = frames_of(read, self.root, self.schema, file, signals, n_rows)
-        return file.from_index, self.fold(file, frames)
+        first = file.from_index + read.first
+        block = replace(file, from_index=first, to_index=first + (read.n_rows or 0))
+        n_rows = min(block.to_index, self.end) - first
+        broken = block != file and not set(signals) <= set(read.frames)
+        if n_rows <= 0 or block.to_index > file.to_index or broken:
+            return None
+        frames = frames_of(read, self.root, self.schema, block, signals, n_rows)
+        return replace(block, to_index=first + n_rows), self.fold(block, frames)

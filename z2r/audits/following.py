@@ -2,7 +2,8 @@
 
 A dimension of the action is held against the column that it drives, by a reading or by its name, as a place to be in or
 as a change to make, some frames later or earlier. Each data file is folded into a few numbers for every run of
-frames and every such pair (`Following`); `z2r.audits.joints` asks what they say together.
+frames and every such pair (`Following`); `z2r.audits.joints` asks what they say together. What is usual in a file is
+told by its first runs (`Usual`), so that no later one has to wait for those that come after it.
 """
 
 from collections.abc import Iterator, Sequence
@@ -20,7 +21,7 @@ MIN_FRAMES = 40  # of a run: from fewer nothing is said
 FOLLOWS = 0.7  # share of a command's variance that its column must explain
 
 _LATE, _AHEAD = 10, 20  # frames: so far before and after a command its column is looked for
-_SAMPLE = 5  # runs of a file, from which its usual lag is taken
+_SAMPLE = 5  # of the first runs of a file, from which its usual lag is taken
 _LONGEST = 600  # frames of a run that are looked at closer
 _OFF = 3  # times as much unexplained as in the better runs: look closer
 _LITTLE = 0.004  # of the variance: what leaves less unexplained needs no closer look
@@ -125,24 +126,64 @@ def pairs_of(schema: Schema, reading: Reading | None) -> tuple[Pair, ...]:
     )
 
 
-def fold_following(pairs: Sequence[Pair], columns: Columns, starts: Ints) -> Following | None:
-    """Sum up how the columns of one data file follow their commands; None where a feature of a pair is not there.
+class Usual(NamedTuple):
+    """How a column follows its command in the first runs of a file, which all of its runs are held against.
+
+    Attributes
+    ----------
+    lag : _Lag or None
+        In which way, and how much later; None where it does not follow.
+    mean_asked, mean_seen : float
+        Of the command, and of the column, or of its change where that is what follows.
+    factor : float
+        How many of the command's units are one of the column's.
+    unexplained : float
+        Share of the command's variance that the column leaves unexplained in the better runs.
+    looks : int
+        How many more runs of the file may be looked at closer.
+    """
+
+    lag: "_Lag | None"
+    mean_asked: float
+    mean_seen: float
+    factor: float
+    unexplained: float
+    looks: int
+
+
+def fold_following(
+    pairs: Sequence[Pair], columns: Columns, starts: Ints, head: int, usual: Sequence[Usual] = ()
+) -> tuple[Following | None, Sequence[Usual]]:
+    """Sum up how the columns of one data file follow their commands.
 
     Parameters
     ----------
     pairs : sequence of Pair
         Of `pairs_of`.
     columns : dict of str to ndarray
-        The frames of the file.
+        The frames of the file, or of a block of whole runs of it.
     starts : ndarray, int64[n_runs]
         The first row of each run of frames.
+    head : int
+        How many of the first runs tell what is usual, where nobody knows it yet.
+    usual : sequence of Usual
+        What is usual for each pair, as the block before left it; nothing for the first block.
+
+    Returns
+    -------
+    following : Following or None
+        None where a feature of a pair is not there.
+    usual : sequence of Usual
+        For the block after this one.
     """
     if not pairs or any(name not in columns for name in (ACTION, *(pair.feature for pair in pairs))):
-        return None
+        return None, ()
     stops = np.append(starts[1:], len(columns[ACTION]))
-    parts = [_fold_pair(pairs, place, columns, starts, stops) for place in range(len(pairs))]
+    known: Sequence[Usual | int] = usual or [head] * len(pairs)
+    folded = [_fold_pair(pairs, place, columns, starts, stops, known[place]) for place in range(len(pairs))]
+    parts, now = zip(*folded, strict=True)
     each = {name: np.stack([part[name] for part in parts], axis=1) for name in Following._fields if name != "n"}
-    return Following((stops - starts).astype(np.float64), **each)
+    return Following((stops - starts).astype(np.float64), **each), now
 
 
 def join_following(parts: Sequence[Following]) -> Following:
@@ -160,8 +201,21 @@ class _Lag(NamedTuple):
     explained: float
 
 
+def _usual(asked: Floats, seen: Floats, starts: Ints, stops: Ints, head: int) -> tuple[Usual, dict[str, Floats]]:
+    """Say how a column follows in the first runs of a file, and how in each of all runs, as `_fit_runs` does."""
+    lag = _usual_lag(asked, seen, starts[:head], stops[:head])
+    target = change_in_runs(seen, starts) if lag and lag.kind else seen
+    means = float(asked[: stops[head - 1]].mean()), float(target[: stops[head - 1]].mean())
+    fit = _fit_runs(asked, target, starts, stops, lag.lag if lag else 0, means)
+    well = fit["explained"][:head] > _POOR
+    factor = float(np.median(fit["factor"][:head][well])) if well.any() else 1.0
+    moves = _moves(_ranges(asked, starts), _ranges(seen, starts), stops - starts)[:head]
+    good = float(np.quantile(1 - fit["explained"][:head][moves], 0.2)) if moves.any() else 0.0
+    return Usual(lag, *means, factor, good, _MAX_LOOKS if lag else _SAMPLE), fit
+
+
 def _usual_lag(asked: Floats, seen: Floats, starts: Ints, stops: Ints) -> _Lag | None:
-    """Say how a column follows in most runs, as a few of them tell that are spread over the file; None: it does not."""
+    """Say how a column follows in most of some runs, as a few of them tell that are spread over them; None: not."""
     long = np.flatnonzero(stops - starts >= MIN_FRAMES)
     chosen = long[:: max(1, -(-len(long) // _SAMPLE))].tolist()
     looks = (_best_lag(asked[rows], seen[rows]) for rows in (_rows(run, starts, stops) for run in chosen))
@@ -177,33 +231,46 @@ def _rows(run: int, starts: Ints, stops: Ints) -> slice:
     return slice(int(starts[run]), int(min(stops[run], starts[run] + _LONGEST)))
 
 
-def _fold_pair(pairs: Sequence[Pair], place: int, columns: Columns, starts: Ints, stops: Ints) -> dict[str, Floats]:
-    """Sum up one pair: every field of `Following` but the first, each float64[n_runs]."""
+def _fold_pair(
+    pairs: Sequence[Pair], place: int, columns: Columns, starts: Ints, stops: Ints, known: Usual | int
+) -> tuple[dict[str, Floats], Usual]:
+    """Sum up one pair: every field of `Following` but the first, each float64[n_runs]; and what is usual.
+
+    What is usual is known, or so many of the first runs tell.
+    """
     asked, seen = _command(pairs[place], columns), _column(pairs[place], columns)
     changes = change_in_runs(asked, starts)
+    ranges = {"asked": _ranges(asked, starts), "moved": _ranges(seen, starts)}
     turns = {
-        "turns_asked": _turns(asked, changes, starts),
-        "turns_seen": _turns(seen, change_in_runs(seen, starts), starts),
+        "turns_asked": _turns(changes, ranges["asked"], starts),
+        "turns_seen": _turns(change_in_runs(seen, starts), ranges["moved"], starts),
     }
-    if all(each.any() for each in turns.values()):
-        asked, seen = _unwound(asked), _unwound(seen)
-    usual = _usual_lag(asked, seen, starts, stops)
-    kind, lag = (usual.kind, usual.lag) if usual else (0, 0)
-    fit = _fit_runs(asked, change_in_runs(seen, starts) if kind else seen, starts, stops, lag)
+    both = np.logical_and(*turns.values())
+    if both.any():
+        for run in np.flatnonzero(both).tolist():
+            _unwind(asked[starts[run] : stops[run]])
+            _unwind(seen[starts[run] : stops[run]])
+        ranges = {"asked": _ranges(asked, starts), "moved": _ranges(seen, starts)}
+    if isinstance(known, Usual):
+        usual, lag = known, known.lag
+        target = change_in_runs(seen, starts) if lag and lag.kind else seen
+        fit = _fit_runs(asked, target, starts, stops, lag.lag if lag else 0, known[1:3])
+    else:
+        usual, fit = _usual(asked, seen, starts, stops, known)
     nothing = np.full(len(starts), np.nan)
     found = {
-        "asked": np.maximum.reduceat(asked, starts) - np.minimum.reduceat(asked, starts),
-        "moved": np.maximum.reduceat(seen, starts) - np.minimum.reduceat(seen, starts),
-        "kind": np.full(len(starts), float(kind)),
-        **{name: np.full(len(starts), getattr(usual, name, np.nan), dtype=np.float64) for name in _LAGS},
+        **ranges,
+        "kind": np.full(len(starts), float(usual.lag.kind if usual.lag else 0)),
+        **{name: np.full(len(starts), getattr(usual.lag, name, np.nan), dtype=np.float64) for name in _LAGS},
         **fit,
         "other": nothing.copy(),
         "other_explained": nothing.copy(),
-        **_stray(asked, seen, starts, stops, usual, _usual_factor(fit)),
+        **_stray(asked, seen, starts, stops, usual),
         **turns,
         **_copied(asked, seen, changes != 0, starts),
     }
-    for run in _worth_a_look(found, stops - starts, is_followed=usual is not None):
+    looks = _worth_a_look(found, stops - starts, usual)
+    for run in looks:
         rows = _rows(run, starts, stops)
         for name, value in _look(asked[rows], seen[rows], found["explained"][run]):
             found[name][run] = value
@@ -211,21 +278,27 @@ def _fold_pair(pairs: Sequence[Pair], place: int, columns: Columns, starts: Ints
             found["other"][run], found["other_explained"][run] = _best_other(pairs, columns, asked[rows], rows)
     for name in _LAGS:
         found[name][found["explained"] < FOLLOWS] = np.nan
-    return found
+    return found, usual._replace(looks=usual.looks - len(looks))
 
 
-def _turns(values: Floats, changes: Floats, starts: Ints) -> Floats:
+def _ranges(values: Floats, starts: Ints) -> Floats:
+    """Say how far each run goes: the largest value less the smallest."""
+    ranges: Floats = np.maximum.reduceat(values, starts) - np.minimum.reduceat(values, starts)
+    return ranges
+
+
+def _turns(changes: Floats, ranges: Floats, starts: Ints) -> Floats:
     """Count the steps of a whole turn in each run."""
-    sizes, span = np.abs(changes), np.ptp(values)
-    if not is_a_turn(sizes.max(), span):
+    sizes = np.abs(changes)
+    turning = is_a_turn(np.maximum.reduceat(sizes, starts), ranges)
+    if not turning.any():
         return np.zeros(len(starts))
-    return count_in_runs(is_a_turn(sizes, span), starts)
+    return count_in_runs(is_a_turn(sizes, np.repeat(ranges, np.diff(starts, append=len(sizes)))), starts)
 
 
-def _unwound(values: Floats) -> Floats:
-    """Let an angle go on beyond a whole turn."""
-    unwound: Any = np.unwrap(values, period=360.0 if np.ptp(values) > 180 else 2 * np.pi)
-    return np.asarray(unwound, dtype=np.float64)
+def _unwind(values: Floats) -> None:
+    """Let an angle go on beyond a whole turn, where it stands."""
+    values[:] = np.unwrap(values, period=360.0 if np.ptp(values) > 180 else 2 * np.pi)
 
 
 def _copied(asked: Floats, seen: Floats, changes: Bools, starts: Ints) -> dict[str, Floats]:
@@ -233,28 +306,22 @@ def _copied(asked: Floats, seen: Floats, changes: Bools, starts: Ints) -> dict[s
     n = np.maximum(count_in_runs(changes, starts), 1)
     foretold = changes.copy()
     foretold[:-1] &= asked[:-1] == seen[1:]
-    foretold[-1] = False
+    foretold[np.append(starts[1:], len(foretold)) - 1] = False
     return {
         "copied": count_in_runs(changes & (asked == seen), starts) / n,
         "foretold": count_in_runs(foretold, starts) / n,
     }
 
 
-def _usual_factor(fit: dict[str, Floats]) -> float:
-    well = fit["explained"] > _POOR
-    return float(np.median(fit["factor"][well])) if well.any() else 1.0
-
-
-def _stray(
-    asked: Floats, seen: Floats, starts: Ints, stops: Ints, usual: _Lag | None, factor: float
-) -> dict[str, Floats]:
+def _stray(asked: Floats, seen: Floats, starts: Ints, stops: Ints, usual: Usual) -> dict[str, Floats]:
     """Say how far beside its command a column comes to be in the worst second of each run."""
     worst, at = np.full(len(starts), np.nan), np.full(len(starts), np.nan)
-    if usual is None or usual.kind:
+    if usual.lag is None or usual.lag.kind:
         return {"beside": worst, "beside_at": at}
-    lag = usual.lag
-    beside = asked - factor * np.roll(seen, -lag)
-    mean = np.abs(_sums_of_a_second(beside - beside.mean())) / _SECOND  # of the frames from each on
+    lag = usual.lag.lag
+    beside = asked - usual.factor * np.roll(seen, -lag)
+    on_average = usual.mean_asked - usual.factor * usual.mean_seen
+    mean = np.abs(_sums_of_a_second(beside - on_average)) / _SECOND  # of the frames from each on
     first, last = starts + max(-lag, 0), stops - max(lag, 0) - _SECOND
     long = first < last
     if not long.any():
@@ -278,16 +345,19 @@ def _sums_of_a_second(values: Floats) -> Floats:
     return sums
 
 
-def _worth_a_look(found: dict[str, Floats], n: Ints, *, is_followed: bool) -> list[int]:
-    """Choose the runs in which the column follows worse than in the better ones."""
-    moves = (n >= MIN_FRAMES) & (found["asked"] > 0) & (found["moved"] > 0)
-    if not is_followed:
-        some: list[int] = np.flatnonzero(moves)[:_SAMPLE].tolist()
-        return some
-    unexplained = 1 - found["explained"]
-    good = np.quantile(unexplained[moves], 0.2) if moves.any() else 0.0
-    off: list[int] = np.flatnonzero(moves & (unexplained > max(_LITTLE, _OFF * good))).tolist()
-    return off[:: max(1, -(-len(off) // _MAX_LOOKS))]
+def _moves(asked: Floats, moved: Floats, n: Ints) -> Bools:
+    """Say in which runs both move for long enough to tell something."""
+    moves: Bools = (n >= MIN_FRAMES) & (asked > 0) & (moved > 0)
+    return moves
+
+
+def _worth_a_look(found: dict[str, Floats], n: Ints, usual: Usual) -> list[int]:
+    """Choose the runs in which the column follows worse than in the better ones, or the first, where it does not."""
+    worth = _moves(found["asked"], found["moved"], n)
+    if usual.lag:
+        worth &= 1 - found["explained"] > max(_LITTLE, _OFF * usual.unexplained)
+    some: list[int] = np.flatnonzero(worth)[: usual.looks].tolist()
+    return some
 
 
 def _look(asked: Floats, seen: Floats, explained: float) -> Iterator[tuple[str, float]]:
@@ -296,7 +366,8 @@ def _look(asked: Floats, seen: Floats, explained: float) -> Iterator[tuple[str, 
     if best.explained <= explained:
         return
     start, stop = np.array([0]), np.array([len(asked)])
-    fit = _fit_runs(asked, change_in_runs(seen, start) if best.kind else seen, start, stop, best.lag)
+    target = change_in_runs(seen, start) if best.kind else seen
+    fit = _fit_runs(asked, target, start, stop, best.lag, (float(asked.mean()), float(target.mean())))
     yield from (best._asdict() | {name: float(value[0]) for name, value in fit.items()}).items()
 
 
@@ -342,15 +413,18 @@ def _share(both: Floats, whole: Floats) -> Floats:
     return share
 
 
-def _fit_runs(asked: Floats, seen: Floats, starts: Ints, stops: Ints, lag: int) -> dict[str, Floats]:
+def _fit_runs(
+    asked: Floats, seen: Floats, starts: Ints, stops: Ints, lag: int, centre: tuple[float, float]
+) -> dict[str, Floats]:
     """Fit a column, so many frames later, to its command in every run, each float64[n_runs].
 
-    As in `z2r.reading.action`, the column is explained by the command, which is exact.
+    As in `z2r.reading.action`, the column is explained by the command, which is exact. Numbers near 0 keep more digits:
+    `centre` is about where both are.
     """
     first, last = np.minimum(starts + max(-lag, 0), stops), np.maximum(stops - max(lag, 0), starts)
     last = np.maximum(last, first)
     n, ends = np.maximum(last - first, 1), np.stack([first, last], axis=1).ravel()
-    centre_a, centre_s = asked.mean(), seen.mean()
+    centre_a, centre_s = centre
     asked = np.append(asked - centre_a, 0.0)  # so that the last run, too, has an end in it
     seen = np.append(np.roll(seen - centre_s, -lag), 0.0)
 

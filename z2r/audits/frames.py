@@ -10,11 +10,16 @@ import numpy as np
 
 from z2r.arrays import Bools, Columns, Floats, Ints, by_column
 from z2r.audits.claims import Claims
+from z2r.errors import Fault
 from z2r.format import rules
 from z2r.format.episodes import EpisodeIndex
 from z2r.format.misread import Misread
+from z2r.format.rules import Rows
 from z2r.format.schema import BOOKKEEPING, Schema
 from z2r.format.tables import DataColumns, count_rows, episodes_in
+
+HEAD_FRAMES = 2**14
+"""The runs that begin in so many frames of a data file tell what is usual in it: later ones do not wait for its end."""
 
 
 class FileClaims(NamedTuple):
@@ -44,15 +49,14 @@ class FileClaims(NamedTuple):
     misread: Misread | None = None
 
     def taken(self, read: DataColumns) -> DataColumns:
-        """Return what was read of the file as it is taken."""
+        """Return what was read of the file, which is all of it, as it is taken."""
         if self.misread is None or self.episodes is None:
             return read
         return read._replace(frames=self.misread(read.frames, self.base, self.episodes))
 
 
-@dataclass(frozen=True, eq=False)
-class FileFrames:
-    """The frames of one data file, and what the metadata says of it: what the checks of a file are asked of.
+class FileColumns(NamedTuple):
+    """What could be read of one data file, but for its frames: what is asked of a file as a whole is asked of this.
 
     Attributes
     ----------
@@ -60,21 +64,65 @@ class FileFrames:
         What the metadata says of it.
     schema : Schema
         What a frame should be.
+    read : DataColumns
+        Without the frames.
+    """
+
+    claims: FileClaims
+    schema: Schema
+    read: DataColumns
+
+
+class Before(NamedTuple):
+    """What is known of a file before a block of it.
+
+    Attributes
+    ----------
+    frame_index : int or None
+        Of the row before; None where it cannot be read.
+    frame_index_is_wrong : bool or None
+        Whether `frame_index` or `episode_index` is wrong, if they were seen to disagree.
+    """
+
+    frame_index: int | None
+    frame_index_is_wrong: bool | None
+
+
+@dataclass(frozen=True, eq=False)
+class FileFrames:
+    """Frames of one data file, and what the metadata says of it: what is asked of its rows is asked of this.
+
+    They are all of them, or a block; each run of frames with one `episode_index` is whole.
+
+    Attributes
+    ----------
+    claims : FileClaims
+        What the metadata says of the file.
+    schema : Schema
+        What a frame should be.
     tasks : ndarray or None
         The numbers of all tasks, where they could be read.
     read : DataColumns
         What could be read.
+    before : Before or None
+        What is known of the rows before; None where there are none.
     """
 
     claims: FileClaims
     schema: Schema
     tasks: Ints | None
     read: DataColumns
+    before: Before | None = None
 
     @property
     def path(self) -> Path:
         """The file, relative to the dataset."""
         return self.claims.path
+
+    @property
+    def base(self) -> int:
+        """Which frame of the dataset the first of these is."""
+        return self.claims.base + self.read.first
 
     @cached_property
     def counts(self) -> dict[str, Ints]:
@@ -105,6 +153,11 @@ class FileFrames:
         return np.flatnonzero(np.concatenate([[True], np.diff(number) != 0]))
 
     @property
+    def head(self) -> int:
+        """How many of its first runs tell what is usual in the file."""
+        return int(np.searchsorted(self.run_starts, HEAD_FRAMES))
+
+    @property
     def episodes(self) -> EpisodeIndex:
         """Where episodes end: by the metadata, or by the frames' own `episode_index` where that is nothing to go by."""
         if self.claims.episodes is not None:
@@ -112,7 +165,17 @@ class FileFrames:
         starts, number = self.run_starts, self.counts.get("episode_index")
         stops = np.append(starts[1:], self.read.n_rows or 0)
         numbers = np.arange(len(starts)) if number is None else number[starts]
-        return EpisodeIndex(self.claims.base + starts, self.claims.base + stops, numbers)
+        return EpisodeIndex(self.base + starts, self.base + stops, numbers)
+
+    def fault(
+        self, what: str, wrong: Bools, found: object, expected: object, mend: str = "", *, framed: bool = False
+    ) -> Fault:
+        """Name the first row in which something is wrong, with whose number its place ends, and its frame if wanted."""
+        row = int(wrong.argmax())
+        place, rows = f"{what} in row {self.read.first + row}", Rows(found, int(wrong.sum()))
+        return Fault(
+            self.path, place, rows, expected, mend, self.episodes_in(wrong), self.base + row if framed else None
+        )
 
     def episodes_at(self, rows: Ints) -> Ints:
         """Return the episode of each of these rows: as the frames say, or by its place in the file."""
@@ -144,6 +207,10 @@ class RunStats(NamedTuple):
         """The standard deviation in each run, float64[n_runs, size]."""
         std: Floats = np.sqrt(self.squares / self.n[:, None])
         return std
+
+    def first(self, n_runs: int) -> "RunStats":
+        """Return the first runs."""
+        return RunStats(*(each[:n_runs] for each in self))
 
     def together(self) -> "RunStats":
         """Return all runs as if they were one."""

@@ -1,7 +1,7 @@
 """What do some pictures of each episode look like, once they are decoded? What is kept of them is a few numbers.
 
-About fifty pictures of each episode of each camera are looked at, spread over it, and made small; of each second one
-the next as well, as what flickers or hangs is seen from one picture to the next only.
+About fifty pictures of each episode of each camera are looked at, spread over it, and made small; of each third one the
+next two as well, as what flickers, hangs or is out of order is seen from one picture to the next only.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -26,6 +26,7 @@ from z2r.format.videos import read_video
 
 _PICTURES = 48  # of an episode
 _ENOUGH = 24  # that can be decoded alone: where there are fewer, the others are decoded too
+_EACH = 3  # of these, with which the next two are looked at
 _FEW = 8  # pictures: from fewer nothing is said
 _EPISODES = 8  # at a time
 _BRIGHTNESS = np.array([0.299, 0.587, 0.114], dtype=np.float32)  # of red, green and blue: ITU-R BT.601
@@ -83,9 +84,14 @@ class Glance(NamedTuple):
         How far each is from the one before, on average over the picture, and where it is farthest.
     prints : ndarray, uint8[4, 24, 32]
         Some of them, smaller still.
-    near, far : ndarray, float64[n_pairs], float64[n - 1]
-        How far the pictures of some of these frames are from that of the next frame, and all from the next of these: on
-        average, all made as bright.
+    near, far, across : ndarray, float64[n_threes], float64[n - 1], float64[n - n // 2]
+        How far the first of three frames in a row is from the next frame, each of `frame` from the next of these, and
+        from that half the episode later: on average over the picture, all made as bright.
+    threes : ndarray, float64[n_threes, 3]
+        Of three frames in a row: how far the first is from the second, the second from the third, and the first from
+        the third, as a root mean square over 12 x 16 parts of them, in which noise hardly counts.
+    swing : ndarray, float64[n_threes]
+        How much brighter or darker the second is than the two around it.
     colour : ndarray, float64[3]
         Red, green and blue on average, from 0 to 1.
     cells : ndarray, float16[n, 48]
@@ -101,7 +107,10 @@ class Glance(NamedTuple):
     change: Floats
     peak: Floats
     near: Floats
+    threes: Floats
+    swing: Floats
     far: Floats
+    across: Floats
     prints: NDArray[np.uint8]
     colour: Floats
     cells: NDArray[np.float16]
@@ -194,8 +203,8 @@ def _look_at_video(root: Path, fps: float, reel: Reel) -> Iterator[tuple[int, Gl
     starts = np.searchsorted(index.times, reel.begins - 0.5 / fps)
     stops = np.searchsorted(index.times, reel.begins + (reel.lengths - 0.5) / fps)
     wanted = [_some(index.is_key, start, stop) for start, stop in zip(starts.tolist(), stops.tolist(), strict=True)]
-    pairs = [_with_next(some, stop) for some, stop in zip(wanted, stops.tolist(), strict=True)]
-    numbers = np.unique(np.concatenate(pairs))
+    more = [_with_next(some, stop) for some, stop in zip(wanted, stops.tolist(), strict=True)]
+    numbers = np.unique(np.concatenate(more))
     pictures = dict(decode_video(root, reel.path, index, numbers)) if len(numbers) else {}
     for row, begins, some in zip(reel.rows.tolist(), reel.begins, wanted, strict=True):
         seen = some[np.isin(some, list(pictures))]
@@ -205,8 +214,8 @@ def _look_at_video(root: Path, fps: float, reel: Reel) -> Iterator[tuple[int, Gl
 
 def _look_at_images(root: Path, reel: Reel) -> Iterator[tuple[int, Glance]]:
     wanted = [_evenly(np.arange(n)) + first for n, first in zip(reel.lengths, reel.begins, strict=True)]
-    pairs = [_with_next(some, first + n) for some, n, first in zip(wanted, reel.lengths, reel.begins, strict=True)]
-    pictures = dict(decode_images(root, reel.path, reel.camera, np.unique(np.concatenate(pairs))))
+    more = [_with_next(some, first + n) for some, n, first in zip(wanted, reel.lengths, reel.begins, strict=True)]
+    pictures = dict(decode_images(root, reel.path, reel.camera, np.unique(np.concatenate(more))))
     for row, first, some in zip(reel.rows.tolist(), reel.begins, wanted, strict=True):
         seen = some[np.isin(some, list(pictures))]
         if len(seen) >= _FEW:
@@ -221,8 +230,8 @@ def _some(is_key: Bools, start: int, stop: int) -> Ints:
 
 
 def _with_next(numbers: Ints, stop: int) -> Ints:
-    """Add the picture after each second one, if it is not the next episode's."""
-    following = numbers[::2] + 1
+    """Add the two pictures after each third one, if they are not the next episode's."""
+    following = (numbers[::_EACH, None] + np.arange(1, 3)).ravel()
     return np.union1d(numbers, following[following < stop])
 
 
@@ -234,9 +243,13 @@ def _evenly(numbers: Ints) -> Ints:
 def _glance(frame: Floats, numbers: Ints, pictures: Mapping[int, Small]) -> Glance:
     colours = np.stack([pictures[number].colours for number in numbers.tolist()]).astype(np.float32)  # (n, 48, 64, 3)
     seen = colours @ _BRIGHTNESS  # (n, 48, 64)
-    pairs = [place for place, number in enumerate(numbers.tolist()) if place % 2 == 0 and number + 1 in pictures]
-    following = [pictures[int(numbers[place]) + 1].colours @ _BRIGHTNESS for place in pairs]
-    bright, bright_next = _as_bright(seen), _as_bright(np.array(following).reshape(-1, *seen.shape[1:]))
+    first = [number for number in numbers[::_EACH].tolist() if {number + 1, number + 2} <= pictures.keys()]
+    rows = [[pictures[number + ahead].colours for ahead in range(3)] for number in first]
+    in_a_row = (
+        np.array(rows, dtype=np.float32).reshape(-1, 3, *colours.shape[1:]) @ _BRIGHTNESS
+    )  # (n_threes, 3, 48, 64)
+    bright, (one, two, three) = _as_bright(seen), np.moveaxis(_as_bright(in_a_row), 1, 0)
+    level = in_a_row.mean(axis=(2, 3), dtype=np.float64)
     apart = np.abs(np.diff(seen, axis=0))
     n, height, width = seen.shape
     prints = seen[(_PRINTS * (n - 1)).round().astype(np.int64)].reshape(-1, height // 2, 2, width // 2, 2)
@@ -248,8 +261,11 @@ def _glance(frame: Floats, numbers: Ints, pictures: Mapping[int, Small]) -> Glan
         grain=np.array([pictures[number].grain for number in numbers.tolist()]),
         change=apart.mean(axis=(1, 2)).astype(np.float64),
         peak=apart.max(axis=(1, 2)).astype(np.float64),
-        near=np.abs(bright_next - bright[pairs]).mean(axis=(1, 2)).astype(np.float64),
-        far=np.abs(np.diff(bright, axis=0)).mean(axis=(1, 2)).astype(np.float64),
+        near=_apart(one, two),
+        threes=np.stack([_coarsely_apart(one, two), _coarsely_apart(two, three), _coarsely_apart(one, three)], axis=1),
+        swing=np.abs(level[:, 1] - level[:, ::2].mean(axis=1)),
+        far=_apart(bright[:-1], bright[1:]),
+        across=_apart(bright[: n - n // 2], bright[n // 2 :]),
         colour=colours.mean(axis=(0, 1, 2), dtype=np.float64) / 255,
         prints=prints.mean(axis=(2, 4)).round().astype(np.uint8),
         cells=bright.reshape(n, height // 8, 8, width // 8, 8).mean(axis=(2, 4)).reshape(n, -1).astype(np.float16),
@@ -258,6 +274,20 @@ def _glance(frame: Floats, numbers: Ints, pictures: Mapping[int, Small]) -> Glan
 
 
 def _as_bright(seen: Array) -> Floats:
-    """Make pictures (n, height, width) as bright as each other: 128 on average."""
-    as_bright: Floats = seen * (128 / np.maximum(seen.mean(axis=(1, 2), keepdims=True), 1))
+    """Make pictures (..., height, width) as bright as each other: 128 on average."""
+    as_bright: Floats = seen * (128 / np.maximum(seen.mean(axis=(-2, -1), keepdims=True), 1))
     return as_bright
+
+
+def _apart(some: Floats, others: Floats) -> Floats:
+    """Return how far pictures are from others, on average over each: (n,)."""
+    apart: Floats = np.abs(others - some).mean(axis=(1, 2)).astype(np.float64)
+    return apart
+
+
+def _coarsely_apart(some: Floats, others: Floats) -> Floats:
+    """Return how far parts of pictures are from those of others, as a root mean square over each: (n,)."""
+    n, height, width = some.shape
+    parts = (others - some).reshape(n, height // 4, 4, width // 4, 4).mean(axis=(2, 4))
+    apart: Floats = np.sqrt(np.square(parts).mean(axis=(1, 2))).astype(np.float64)
+    return apart

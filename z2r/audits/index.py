@@ -5,9 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from z2r.arrays import Bools, Ints
+from z2r.arrays import Bools, Floats, Ints
 from z2r.audits.claims import Claims
-from z2r.audits.frames import FileFrames
+from z2r.audits.frames import Before, FileColumns, FileFrames
 from z2r.audits.runs import Runs
 from z2r.check import Answer, Check
 from z2r.errors import Fault
@@ -68,11 +68,11 @@ def episodes_of_a_file_are_side_by_side(claims: Claims) -> Iterator[Answer]:
     yield from rules.side_by_side(claims.table, claims.paths)
 
 
-@Check("file-rows", "every data file has as many rows as its episodes have frames", "error").of(FileFrames)
-def file_rows(frames: FileFrames) -> Iterator[Answer]:
+@Check("file-rows", "every data file has as many rows as its episodes have frames", "error").of(FileColumns)
+def file_rows(file: FileColumns) -> Iterator[Answer]:
     """Has the file as many rows as its episodes have frames?"""
-    if frames.read.n_rows is not None:
-        for fault in rules.file_rows(frames.path, frames.read.n_rows, frames.claims.n_claimed):
+    if file.read.n_rows is not None:
+        for fault in rules.file_rows(file.claims.path, file.read.n_rows, file.claims.n_claimed):
             yield fault._replace(mend="If it was cut off, `z2r inspect --salvage` reads the whole episodes")
 
 
@@ -82,12 +82,11 @@ def index_column(frames: FileFrames) -> Iterator[Answer]:
     index = frames.counts.get("index")
     if index is None:
         return
-    expected = frames.claims.base + np.arange(len(index))
+    expected = frames.base + np.arange(len(index))
     wrong = index != expected
     if wrong.any():
-        row, named = int(wrong.argmax()), frames.episodes_in(wrong)
-        found = f"{index[row]}{and_more(wrong)}"
-        yield Fault(frames.path, f"index in row {row}", found, expected[row], episodes=named)
+        row = int(wrong.argmax())
+        yield frames.fault("index", wrong, index[row], expected[row])
 
 
 FRAME_COLUMN = Check("frame-column", "`frame_index` starts at 0 in every episode and counts on", "error")
@@ -99,12 +98,12 @@ def frame_index_counts(frames: FileFrames) -> Iterator[Answer]:
     frame_index = frames.counts.get("frame_index")
     if frame_index is None:
         return
-    wrong = _miscounted(frame_index)
+    wrong = _miscounted(frame_index, frames.before)
     if wrong.any():
         row = int(wrong.argmax())
-        expected = f"{frame_index[row - 1] + 1}, or 0 for a new episode" if row else "0, as an episode begins"
-        found, named = f"{frame_index[row]}{and_more(wrong)}", frames.episodes_in(wrong)
-        yield Fault(frames.path, f"frame_index in row {row}", found, expected, episodes=named)
+        last = frame_index[row - 1] if row else frames.before and frames.before.frame_index
+        expected = "0, as an episode begins" if last is None else f"{last + 1}, or 0 for a new episode"
+        yield frames.fault("frame_index", wrong, frame_index[row], expected)
 
 
 @FRAME_COLUMN.of(FileFrames)
@@ -112,10 +111,8 @@ def frame_index_starts_where_an_episode_begins(frames: FileFrames) -> Iterator[A
     """Is `frame_index` 0 where the metadata and `episode_index` both let an episode begin?"""
     seam = _seam(frames)
     if seam and seam.frame_index_is_wrong:
-        found = f"{frames.counts['frame_index'][seam.row]}{and_more(seam.differs)}"
-        expected = "0 where an episode begins, and only there"
-        named = frames.episodes_in(seam.differs)
-        yield Fault(frames.path, f"frame_index in row {seam.row}", found, expected, episodes=named)
+        found, expected = frames.counts["frame_index"][seam.row], "0 where an episode begins, and only there"
+        yield frames.fault("frame_index", seam.differs, found, expected)
 
 
 EPISODE_COLUMN = Check("episode-column", "`episode_index` changes where the index says that an episode ends", "error")
@@ -129,8 +126,7 @@ def episode_index_changes_where_frame_index_starts(frames: FileFrames) -> Iterat
         number, frame_index = frames.counts["episode_index"], frames.counts["frame_index"]
         found = "a new episode" if seam.changes else f"episode {number[seam.row]} still"
         expected = f"a new episode where frame_index is 0, and it is {frame_index[seam.row]} here"
-        found, named = found + and_more(seam.differs), frames.episodes_in(seam.differs)
-        yield Fault(frames.path, f"episode_index in row {seam.row}", found, expected, episodes=named)
+        yield frames.fault("episode_index", seam.differs, found, expected)
 
 
 @EPISODE_COLUMN.of(Runs)
@@ -152,7 +148,10 @@ def the_frames_agree_with_the_metadata(runs: Runs) -> Iterator[Answer]:
         yield Fault(path, "episode_index", found + and_more(missing), f"{table.length[episode]} frames", episodes=named)
 
 
-@Check("timestamp", "`timestamp` is frame_index / fps", "error").of(FileFrames)
+TIMESTAMP = Check("timestamp", "`timestamp` is frame_index / fps", "error")
+
+
+@TIMESTAMP.of(FileFrames)
 def timestamp(frames: FileFrames) -> Iterator[Answer]:
     """Is every timestamp frame_index / fps?"""
     stored, frame_index, fps = frames.timestamp, frames.counts.get("frame_index"), frames.schema.fps
@@ -164,20 +163,25 @@ def timestamp(frames: FileFrames) -> Iterator[Answer]:
     if not wrong.any():
         return
     row = int(wrong.argmax())
-    steps = np.diff(stored)[np.diff(frame_index) == 1]
-    step = np.median(steps) if len(steps) else 0.0
+    step = _step(stored, frame_index, frames.run_starts, row)
     off_everywhere = step > 1e-9 and abs(step * fps - 1) > 0.01
-    found = f"{stored[row]:g} s{and_more(wrong)}"
     wanted = f"{expected[row]:g} s, which is frame {frame_index[row]} at {fps:g} fps"
     mend = f"Its frames are {step:.3g} s apart: if that is right, fps is {1 / step:.3g}" if off_everywhere else ""
-    named, frame = frames.episodes_in(wrong), frames.claims.base + row
-    yield Fault(frames.path, f"timestamp in row {row}", found, wanted, mend, named, frame)
+    yield frames.fault("timestamp", wrong, f"{stored[row]:g} s", wanted, mend, framed=True)
+
+
+@TIMESTAMP.of(FileFrames)
+def time_runs_forwards(frames: FileFrames) -> Iterator[Answer]:
+    """Does time run forwards inside an episode?"""
+    stored, frame_index = frames.timestamp, frames.counts.get("frame_index")
+    if stored is None or frame_index is None:
+        return
     backwards = np.concatenate([[False], (np.diff(stored) <= 0) & (np.diff(frame_index) > 0)])
+    backwards[frames.run_starts] = False
     if backwards.any():
         row = int(backwards.argmax())
-        found = f"{stored[row]:g} s after {stored[row - 1]:g} s{and_more(backwards)}"
-        wanted, named = "time that runs forwards inside an episode", frames.episodes_in(backwards)
-        yield Fault(frames.path, f"timestamp in row {row}", found, wanted, episodes=named)
+        found = f"{stored[row]:g} s after {stored[row - 1]:g} s"
+        yield frames.fault("timestamp", backwards, found, "time that runs forwards inside an episode")
 
 
 @Check("task-index", "every `task_index` is a task", "error").of(FileFrames)
@@ -189,8 +193,7 @@ def task_index(frames: FileFrames) -> Iterator[Answer]:
     wrong = ~np.isin(task, tasks)
     if wrong.any():
         row = int(wrong.argmax())
-        found, expected = f"{task[row]}{and_more(wrong)}", f"one of the {len(tasks)} in meta/tasks.parquet"
-        yield Fault(frames.path, f"task_index in row {row}", found, expected, episodes=frames.episodes_in(wrong))
+        yield frames.fault("task_index", wrong, task[row], f"one of the {len(tasks)} in meta/tasks.parquet")
 
 
 class _Seam(NamedTuple):
@@ -202,24 +205,43 @@ class _Seam(NamedTuple):
     frame_index_is_wrong: bool
 
 
-def _miscounted(frame_index: Ints) -> Bools:
-    wrong: Bools = frame_index != 0
-    wrong[1:] &= np.diff(frame_index) != 1
+def known_after(frames: FileFrames) -> Before:
+    """Return what is known before the block that comes after these frames, of which there is one."""
+    frame_index, seam = frames.counts.get("frame_index"), _seam(frames)
+    wrong = seam.frame_index_is_wrong if seam else frames.before and frames.before.frame_index_is_wrong
+    return Before(None if frame_index is None else int(frame_index[-1]), wrong)
+
+
+def _step(stored: Floats, frame_index: Ints, starts: Ints, row: int) -> float:
+    """Say how far apart the frames are of the run that a row is in [s]."""
+    stops = np.append(starts[1:], len(stored))
+    run = int(np.searchsorted(starts, row, side="right")) - 1
+    rows = slice(int(starts[run]), int(stops[run]))
+    steps = np.diff(stored[rows])[np.diff(frame_index[rows]) == 1]
+    return float(np.median(steps)) if len(steps) else 0.0
+
+
+def _miscounted(frame_index: Ints, before: Before | None) -> Bools:
+    last = before.frame_index if before and before.frame_index is not None else frame_index[0]
+    wrong: Bools = (frame_index != 0) & (np.diff(frame_index, prepend=last) != 1)
     return wrong
 
 
 def _seam(frames: FileFrames) -> _Seam | None:
-    """Where the two disagree, the metadata has the casting vote, if it hangs together."""
+    """Where the two disagree, the metadata has the casting vote at the first such row, if it hangs together."""
     frame_index, number = frames.counts.get("frame_index"), frames.counts.get("episode_index")
     if frame_index is None or number is None:
         return None
     changes = np.concatenate([[True], np.diff(number) != 0])
-    differs = (changes != (frame_index == 0)) & ~_miscounted(frame_index)
+    differs = (changes != (frame_index == 0)) & ~_miscounted(frame_index, frames.before)
     if not differs.any():
         return None
     row, claimed = int(differs.argmax()), frames.claims.episodes
-    begins = None if claimed is None else bool(np.isin(frames.claims.base + row, claimed.from_index))
-    return _Seam(row, differs, bool(changes[row]), begins is not None and begins == changes[row])
+    begins = None if claimed is None else bool(np.isin(frames.base + row, claimed.from_index))
+    wrong = frames.before and frames.before.frame_index_is_wrong
+    return _Seam(
+        row, differs, bool(changes[row]), (begins is not None and begins == changes[row]) if wrong is None else wrong
+    )
 
 
 class _Places(NamedTuple):

@@ -126,25 +126,36 @@ def fold_labels(frames: FileFrames, reading: Reading | None) -> FileLabels:
     )
 
 
+def join_file_labels(parts: Sequence[FileLabels]) -> FileLabels:
+    """Put the runs of all parts after each other; what is not there in one of them is not there."""
+    success, done = ([getattr(part, name) for part in parts] for name in ("success", "done"))
+    return FileLabels(
+        success=_join_flags(success),
+        done=_join_flags(done),
+        reward=join([part.reward for part in parts]),
+        levels=levels_of(np.concatenate([part.levels for part in parts])),
+        reached=join([part.reached for part in parts]),
+    )
+
+
 def join_labels(schema: Schema, reading: Reading | None, number: Ints, parts: Sequence[FileLabels]) -> Labels:
     """Join the runs of all files, whose `episode_index` is `number`; an episode in several files becomes one row."""
     starts = np.flatnonzero(np.diff(number, prepend=number[0] - 1))
     ends = np.append(starts[1:], len(number)) - 1
-    success = _join_flags([part.success for part in parts], starts, ends)
-    reward, levels = join([part.reward for part in parts]), levels_of(np.concatenate([part.levels for part in parts]))
+    runs = join_file_labels(parts)
+    success, reward, reached = _of_episodes(runs.success, starts, ends), runs.reward, runs.reached
     if reward is not None:
         reward = np.stack([np.maximum.reduceat(reward[:, 0], starts), reward[ends, 1]], axis=1)
-    reached = join([part.reached for part in parts])
     if reached is not None and reading is not None:
         reached = reached[starts, 0] if reading.decisive == "first" else reached[ends, 1]
     return Labels(
         label=label_in(schema) or "",
         number=number[starts],
         success=success,
-        done=_join_flags([part.done for part in parts], starts, ends),
+        done=_of_episodes(runs.done, starts, ends),
         reward=reward,
-        levels=levels,
-        stored=_stored(schema, success, reward, levels),
+        levels=runs.levels,
+        stored=_stored(schema, success, reward, runs.levels),
         reached=reached,
     )
 
@@ -260,11 +271,17 @@ def _reached(schema: Schema, reading: Reading | None, columns: Columns, rows: In
     return in_tolerance(frame_errors(decode(ends, reading, schema)), reading).reshape(rows.shape)
 
 
-def _join_flags(parts: Sequence[Flag | None], starts: Ints, ends: Ints) -> Flag | None:
+def _join_flags(parts: Sequence[Flag | None]) -> Flag | None:
     known = [part for part in parts if part is not None]
     if len(known) < len(parts):
         return None
-    ever, always, last, early, lost = (np.concatenate(each) for each in zip(*known, strict=True))
+    return Flag(*(np.concatenate(each) for each in zip(*known, strict=True)))
+
+
+def _of_episodes(runs: Flag | None, starts: Ints, ends: Ints) -> Flag | None:
+    if runs is None:
+        return None
+    ever, always, last, early, lost = runs
     ever, early, lost = (np.logical_or.reduceat(each, starts) for each in (ever, early, lost))
     return Flag(ever, np.logical_and.reduceat(always, starts), last[ends], early, lost)
 

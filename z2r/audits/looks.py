@@ -45,6 +45,9 @@ _MOSTLY, _A_WHILE, _NEVER = 0.5, 0.12, 0.03  # of the robot's way
 _PAIRS, _APART = 8, 1.5  # pairs of pictures, and frames between those that are far apart
 _MUCH, _AS_FAR = 8, 0.9  # of 255, by which pictures differ; and of what they differ by that are far apart
 _FEW, _ALONE, _FOR_GOOD = 4, 4, 0.25  # pictures; times what most differ by; of a leap, what stays of it
+_BREAKS, _FARTHER = 2, 1.5  # leaps, and times as far as half an episode makes
+_SWINGS = 8  # of 255: what light and shutter make of a picture from one to the next
+_BACK = 0.95  # of the farther one of two steps, the way of both
 _TINY = 1e-9  # of it
 
 
@@ -63,6 +66,9 @@ class Suspects(NamedTuple):
     found: Callable[[int], str]
 
 
+_NOBODY = Suspects(np.zeros(0, dtype=bool), str)
+
+
 class Look(NamedTuple):
     """What the pictures of one camera look like.
 
@@ -72,10 +78,11 @@ class Look(NamedTuple):
         Which feature it is, and where they are stored.
     number : ndarray, int64[n_episodes]
         What the dataset calls the episodes.
-    flat, blank, dark, still, hung, slow, flicker, leap, astray : Suspects
-        Where they are of one colour, or noise; some of them are; some of them are black; stay the same although the
-        robot moves; do so for a while; do so again and again; differ from one to the next; are others from some frame
-        on; do not go with the robot.
+    flat, still, blank, dark, hung, slow, flicker, broken, leap, swing, disorder, astray : Suspects
+        Where they are of one colour, or noise; stay the same although the robot moves; some of them are of one colour,
+        or noise; some of them are black; stay the same for a while; do so again and again; differ from one to the next;
+        do so at times; are others from some frame on; get brighter and darker all the time; are not in their order; do
+        not go with the robot.
     mend : str
         How to be surer; empty where it is sure.
     fits : float
@@ -92,15 +99,18 @@ class Look(NamedTuple):
     place: Path
     number: Ints
     flat: Suspects
-    blank: Suspects
-    dark: Suspects
     still: Suspects
-    hung: Suspects
-    slow: Suspects
-    flicker: Suspects
-    leap: Suspects
-    astray: Suspects
     mend: str
+    blank: Suspects = _NOBODY
+    dark: Suspects = _NOBODY
+    hung: Suspects = _NOBODY
+    slow: Suspects = _NOBODY
+    flicker: Suspects = _NOBODY
+    broken: Suspects = _NOBODY
+    leap: Suspects = _NOBODY
+    swing: Suspects = _NOBODY
+    disorder: Suspects = _NOBODY
+    astray: Suspects = _NOBODY
     fits: float = np.nan
     late: float = 0.0
     colour: Floats = np.full(3, np.nan)
@@ -215,7 +225,8 @@ def _way(places: Floats) -> Floats:
 
 def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths: Mapping[int, _Path]) -> Look:
     number, moves = runs.claims.stored.episodes.value.table.number, _robot_moves(runs)
-    flat, blank, dark, still, hung, slow, flicker, leap = np.zeros((8, len(moves)), dtype=bool)
+    flat, blank, dark, still, hung, slow = np.zeros((6, len(moves)), dtype=bool)
+    flicker, broken, leap, swing, disorder = np.zeros((5, len(moves)), dtype=bool)
     share, again = {}, {}
     for row, glance in seen.items():
         flat[row] = glance.spread.max() <= _ONE_COLOUR or np.median(glance.grain) >= _NO_SIGNAL
@@ -223,7 +234,9 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths:
         dark[row] = not flat[row] and nothing.any() and glance.level[nothing].max() <= _DARK
         blank[row] = not flat[row] and nothing.any() and not dark[row]
         flicker[row] = not flat[row] and _flickers(glance)
-        leap[row] = not (flat[row] or nothing.any() or flicker[row]) and _leap(glance) > 0
+        if not (flat[row] or nothing.any() or flicker[row]):
+            leap[row], broken[row] = _leap(glance) > 0, len(_breaks(glance)) >= _BREAKS
+            swing[row] = len(glance.swing) >= _PAIRS and np.median(glance.swing) >= _SWINGS
         if moves[row] and row in paths and not flat[row]:
             path = paths[row]
             way = np.diff(np.interp(glance.frame, path.frames, path.way))
@@ -233,6 +246,8 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths:
             hung[row] = elsewhere <= _NEVER and _A_WHILE <= share[row] < _MOSTLY
             again[row], repeats = _repeats(way, glance.peak)
             slow[row] = repeats and not still[row]
+            other = still[row] or slow[row] or flicker[row] or broken[row] or swing[row]
+            disorder[row] = not other and _is_out_of_order(glance)
     return Look(
         camera=camera,
         place=_place(runs.claims, camera),
@@ -243,9 +258,13 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths:
         still=Suspects(still, lambda row: f"the same picture for {share[row]:.0%} of the robot's way"),
         hung=Suspects(hung, lambda row: f"the same picture for {share[row]:.0%} of the robot's way"),
         flicker=Suspects(flicker, lambda row: _said_of_flicker(seen[row])),
+        broken=Suspects(broken, lambda row: _said_of_breaks(seen[row])),
         leap=Suspects(leap, lambda row: _said_of_leap(seen[row])),
+        swing=Suspects(
+            swing, lambda row: f"a brightness that goes up and down by {np.median(seen[row].swing):.0f} of 255"
+        ),
+        disorder=Suspects(disorder, lambda row: _said_of_disorder(seen[row])),
         slow=Suspects(slow, lambda row: f"the picture of before again for {again[row]:.0%} of the robot's way"),
-        astray=_nobody(moves),
         mend="",
         colour=np.mean([glance.colour for glance in seen.values()] or [np.full(3, np.nan)], axis=0),
     )
@@ -275,7 +294,7 @@ def _held_against_the_robot(look: Look, seen: Mapping[int, Glance], runs: Runs, 
 
 def _flickers(glance: Glance) -> bool:
     """Tell whether a picture is farther from the next than those are that lie far apart."""
-    if len(glance.near) < _PAIRS or np.median(np.diff(glance.frame)) < _APART:
+    if len(glance.threes) < _PAIRS or np.median(np.diff(glance.frame)) < _APART:
         return False
     near, far = np.quantile(glance.near, 0.75), np.quantile(glance.far, 0.75)
     return bool(near >= max(_MUCH, _AS_FAR * far))
@@ -300,6 +319,36 @@ def _leap(glance: Glance) -> int:
 def _said_of_leap(glance: Glance) -> str:
     leap = _leap(glance)
     return f"another picture from frame {glance.frame[leap]:.0f} on, by {glance.change[leap - 1]:.0f} of 255 at once"
+
+
+def _breaks(glance: Glance) -> Ints:
+    """Return which pictures are farther from the one before than those are that lie half the episode apart."""
+    return 1 + np.flatnonzero(glance.far >= max(_MUCH, _FARTHER * float(np.median(glance.across))))
+
+
+def _said_of_breaks(glance: Glance) -> str:
+    breaks = _breaks(glance)
+    leaps = f"{len(breaks)} leaps of {np.median(glance.far[breaks - 1]):.0f} of 255 on average, first up to frame"
+    return f"{leaps} {glance.frame[breaks[0]]:.0f}, where half an episode makes {np.median(glance.across):.0f}"
+
+
+def _way_back(glance: Glance) -> float:
+    """Say how far the next picture but one is, compared with the farther one of the two steps to it.
+
+    From 1.3 to 2, the more the smoother it goes; less than 1 where pictures are out of order. Half of the places count,
+    in which most moves.
+    """
+    farthest = glance.threes.max(axis=1)
+    moving = glance.threes[farthest >= np.median(farthest)]  # (n, 3)
+    return float(moving[:, 2].mean() / max(moving[:, :2].max(axis=1).mean(), _TINY))
+
+
+def _is_out_of_order(glance: Glance) -> bool:
+    return len(glance.threes) >= _PAIRS and _way_back(glance) <= _BACK
+
+
+def _said_of_disorder(glance: Glance) -> str:
+    return f"pictures that are nearer to the next but one than to the next: {_way_back(glance):.2f} times as far"
 
 
 def _repeats(way: Floats, peak: Floats) -> tuple[float, bool]:
@@ -402,13 +451,6 @@ def _look_of_sizes(footage: Footage, camera: str, moves: Bools) -> Look:
             moves & _seem_still(long, other, alike, _SAME + pixels / _PIXELS_TO_A_SAME_BYTE),
             lambda row: f"{other[row]:.0f} bytes for a change of the picture, where {usual:.0f} are usual",
         ),
-        blank=_nobody(moves),
-        dark=_nobody(moves),
-        hung=_nobody(moves),
-        slow=_nobody(moves),
-        flicker=_nobody(moves),
-        leap=_nobody(moves),
-        astray=_nobody(moves),
         mend=_DECODE,
     )
 
@@ -424,19 +466,8 @@ def _look_of_images(camera: str, runs: Runs, sums: ImageSums, moves: Bools) -> L
             lambda _: "the same picture in all frames, no larger than one colour takes",
         ),
         still=Suspects(_episodes(runs, same) & moves, lambda _: "the same picture in all frames"),
-        blank=_nobody(moves),
-        dark=_nobody(moves),
-        hung=_nobody(moves),
-        slow=_nobody(moves),
-        flicker=_nobody(moves),
-        leap=_nobody(moves),
-        astray=_nobody(moves),
         mend="",
     )
-
-
-def _nobody(rows: Bools) -> Suspects:
-    return Suspects(np.zeros_like(rows), str)
 
 
 def _episodes(runs: Runs, wrong: Bools) -> Bools:

@@ -8,12 +8,12 @@ import numpy as np
 from z2r.arrays import Bools, Floats, Ints
 from z2r.audits.following import MIN_FRAMES
 from z2r.audits.runs import Runs
-from z2r.audits.steps import RunSteps, is_a_turn
+from z2r.audits.steps import NO_SKETCH, RunSteps, is_a_turn
 from z2r.audits.values import JUMP, quaternions
 from z2r.check import Answer, Check
 from z2r.errors import Fault, count
 from z2r.format.episodes import DATA_DIR
-from z2r.format.rules import and_more
+from z2r.format.rules import and_more, episodes_of
 from z2r.format.schema import ACTION, STATE, column_label
 from z2r.reading.stored import episodes_named
 
@@ -47,6 +47,8 @@ _NEAR = 0.1  # of the distance that is usual between two demonstrations
 _COMMON = 6  # marks that two demonstrations must have to be compared
 _MOVED, _TELLING = 0.05, 10  # of its spread, a column; so often, or two copies are by chance
 _NEIGHBOURS = 32  # demonstrations, with which each is compared
+_COUNTS_TWICE = "It counts twice in training, and may stand on both sides of a split"
+_SHARED = 0.5  # of the frames of two demonstrations
 MAX_COMPARED = 20_000  # demonstrations
 
 
@@ -298,7 +300,10 @@ def nothing_is_clipped(runs: Runs) -> Iterator[Answer]:
                     )
 
 
-@Check("near-twin", "no demonstration is nearly that of another episode", "warning").of(Runs)
+NEAR_TWIN = Check("near-twin", "no demonstration is nearly that of another episode", "warning")
+
+
+@NEAR_TWIN.of(Runs)
 def no_near_twins(runs: Runs) -> Iterator[Answer]:
     """Is a demonstration a copy of another one, cut, shifted by a frame, or with noise added?"""
     if STATE not in runs.steps or not 3 <= len(runs.number) <= MAX_COMPARED:
@@ -309,16 +314,48 @@ def no_near_twins(runs: Runs) -> Iterator[Answer]:
         return
     usual = float(np.quantile(distance[known], 0.75))
     n = runs.n_frames
-    near = known & (n >= MIN_FRAMES) & (distance < _NEAR * usual) & ((distance > 0) | (n != n[neighbour]))
+    near = (
+        known
+        & (n >= MIN_FRAMES)
+        & ~_shared(runs)[2]
+        & (distance < _NEAR * usual)
+        & ((distance > 0) | (n != n[neighbour]))
+    )
     pairs = sorted({tuple(sorted((run, int(neighbour[run])))) for run in np.flatnonzero(near).tolist()})
     if pairs:
         one, other = pairs[0]
         more = and_more(np.ones(len(pairs), dtype=bool))
         found = f"nearly episode {runs.number[one]} again: {distance[other]:.2g} apart{more}"
         expected = f"demonstrations that differ by about {usual:.2g} of their spread"
-        mend = "It counts twice in training, and may stand on both sides of a split"
         again = tuple(sorted({int(runs.number[each]) for _, each in pairs}))
-        yield Fault(DATA_DIR, f"episode {runs.number[other]}", found, expected, mend, again)
+        yield Fault(DATA_DIR, f"episode {runs.number[other]}", found, expected, _COUNTS_TWICE, again)
+
+
+@NEAR_TWIN.of(Runs)
+def no_frames_are_shared(runs: Runs) -> Iterator[Answer]:
+    """Are the frames of a demonstration those of another one, bit for bit, wherever each begins and ends?"""
+    shared, first, copied = _shared(runs)
+    if copied.any():
+        run = int(copied.argmax())
+        found = f"about {shared[run]:.0%} of the frames of episode {runs.number[first[run]]} as well{and_more(copied)}"
+        named = episodes_of(runs.number, copied)
+        yield Fault(DATA_DIR, f"episode {runs.number[run]}", found, "frames of its own", _COUNTS_TWICE, named)
+
+
+def _shared(runs: Runs) -> tuple[Floats, Ints, Bools]:
+    """Return of each run which share of its frames an earlier one has too, which one, and whether that is a copy."""
+    each = np.arange(len(runs.number))
+    if STATE not in runs.steps:
+        return np.zeros(len(each)), each, np.zeros(len(each), dtype=bool)
+    sketch = runs.steps[STATE].sketch
+    firsts = np.empty(sketch.shape, dtype=np.int64)  # (n_runs, 8): the first run with the same hash
+    for column, hashes in enumerate(sketch.T):
+        _, first, where = np.unique(hashes, return_index=True, return_inverse=True)
+        firsts[:, column] = np.where(hashes == NO_SKETCH, each, first[where])
+    alike = ((firsts[:, :, None] == firsts[:, None]) & (firsts < each[:, None])[:, None]).mean(axis=2)  # (n_runs, 8)
+    best = alike.argmax(axis=1)
+    shared, first, n = alike[each, best], firsts[each, best], runs.n_frames
+    return shared, first, (n >= MIN_FRAMES) & (shared >= _SHARED) & ((shared < 1) | (n != n[first]))
 
 
 def _nearest(steps: RunSteps, size: int) -> tuple[Floats, Ints]:

@@ -63,9 +63,7 @@ def no_camera_is_frozen(looks: Looks) -> Iterator[Answer]:
             yield ("note" if look.slow.wrong.mean() > 0.5 else "warning"), fault._replace(mend=mend)
 
 
-@Check("camera-leap", "the picture goes on smoothly: it neither flickers nor is another one at once", "warning").of(
-    Looks
-)
+@Check("camera-leap", "pictures go on smoothly, in their order: none is another one at once", "warning").of(Looks)
 def no_picture_leaps(looks: Looks) -> Iterator[Answer]:
     """Is each picture much like the next one, and does the camera stay where it is?"""
     for look in looks.cameras:
@@ -73,6 +71,12 @@ def no_picture_leaps(looks: Looks) -> Iterator[Answer]:
             yield fault._replace(mend="Are pictures broken, or of two cameras in turn? Look at some in a row")
         for fault in _looks_wrong(look, look.leap, "a picture that stays"):
             yield fault._replace(mend="Was the camera pushed, or does another recording begin there? Look at it")
+        for fault in _looks_wrong(look, look.broken, "pictures that go on smoothly"):
+            yield "note", fault._replace(mend="Were parts of them lost on their way? Look at some in a row")
+        for fault in _looks_wrong(look, look.swing, "light that stays"):
+            yield "note", fault._replace(mend="Lamps on mains flicker: set the shutter to 1/50 or 1/60 s")
+        for fault in _looks_wrong(look, look.disorder, "pictures in the order in which they were taken"):
+            yield fault._replace(mend="Was each written when it was ready, and not in its turn? Look at some in a row")
 
 
 @Check("camera-unlike", "the pictures of an episode look like those of the others of its camera", "warning").of(Looks)

@@ -114,16 +114,20 @@ def chunk(claims: Claims) -> Iterator[Answer]:
         yield Fault(DATA_DIR, episodes, "; ".join(said), "episodes into which a chunk fits", mend, named)
 
 
-def fold_idle(frames: FileFrames, stats: Mapping[str, RunStats]) -> Ints | None:
+def fold_idle(
+    frames: FileFrames, stats: Mapping[str, RunStats], reach: Sequence[Floats] = ()
+) -> tuple[Ints | None, Sequence[Floats]]:
     """Count the frames of each run in which nothing moves, int64[n_runs, 2]: in the beginning, and in the end.
 
-    None where there is neither a state nor an action, or one of them cannot be read.
+    `reach` is how far off a column must be to move, as the block before left it; the first runs of the file tell it,
+    and it is returned for the next block. None where there is neither a state nor an action, or one of them cannot be
+    read.
     """
     names = [name for name in (STATE, ACTION) if name in frames.schema.signals()]
     if not names or any(name not in stats for name in names):
-        return None
-    reach = [_STILL * stats[name].together().std[0] for name in names]
-    return standstill([frames.signals[name] for name in names], reach, frames.run_starts)
+        return None, ()
+    reach = reach or [_STILL * stats[name].first(frames.head).together().std[0] for name in names]
+    return standstill([frames.signals[name] for name in names], reach, frames.run_starts), reach
 
 
 def standstill(features: Sequence[Array], reach: Sequence[Floats], starts: Ints) -> Ints:

@@ -8,10 +8,10 @@ import numpy as np
 from z2r.arrays import Floats, Ints, join
 from z2r.audits.claims import Claims
 from z2r.audits.findings import Finding
-from z2r.audits.following import Following
-from z2r.audits.footage import ImageSums
+from z2r.audits.following import Following, join_following
+from z2r.audits.footage import ImageSums, join_images
 from z2r.audits.frames import FileClaims, RunStats, joined
-from z2r.audits.labels import FileLabels
+from z2r.audits.labels import FileLabels, join_file_labels
 from z2r.audits.steps import RunSteps, join_steps
 
 
@@ -105,6 +105,31 @@ class Runs(NamedTuple):
         stats = self.stats[name]
         span: Floats = stats.high.max(axis=0) - stats.low.min(axis=0)
         return span
+
+
+def join_blocks(blocks: Sequence[FileSums]) -> FileSums:
+    """Put what is kept of all blocks of one data file together, each of which has whole runs of frames."""
+    if len(blocks) == 1:
+        return blocks[0]
+    firsts = np.cumsum([0, *(block.n_rows or 0 for block in blocks)])
+    runs = np.cumsum([0, *(len(block.starts) for block in blocks)])
+    following = [block.following for block in blocks if block.following]
+    labels = [block.labels for block in blocks if block.labels]
+    tasks = [_shifted(block.tasks, int(first)) for first, block in zip(runs[:-1], blocks, strict=True)]
+    return FileSums(
+        n_rows=int(firsts[-1]),
+        findings=[finding for block in blocks for finding in block.findings],
+        starts=np.concatenate([first + block.starts for first, block in zip(firsts[:-1], blocks, strict=True)]),
+        numbers=join([block.numbers for block in blocks]),
+        stats={name: joined([block.stats[name] for block in blocks]) for name in blocks[0].stats},
+        steps={name: join_steps([block.steps[name] for block in blocks]) for name in blocks[0].steps},
+        following=join_following(following) if following else None,
+        labels=join_file_labels(labels) if labels else None,
+        idle=join([block.idle for block in blocks]),
+        tasks=join(tasks),
+        images=join_images([block.images for block in blocks]),
+        places=join([block.places for block in blocks]),
+    )
 
 
 def join_runs(claims: Claims, files: Sequence[FileClaims], sums: Sequence[FileSums]) -> Runs | None:

@@ -11,7 +11,7 @@ from z2r.audits.runs import Runs
 from z2r.check import Answer, Check
 from z2r.errors import Fault
 from z2r.format.episodes import DATA_DIR
-from z2r.format.rules import and_more
+from z2r.format.rules import Rows, episodes_of
 from z2r.format.schema import ACTION, STATE, column_label
 from z2r.reading.stored import episodes_named
 
@@ -96,16 +96,15 @@ def _of_rates(frames: FileFrames, dim: int, column: int, fits: Floats, factor: F
     )
     features, numbers = frames.schema.features, frames.episodes_at(starts)
     label = column_label(_VELOCITY, features[_VELOCITY], dim)
-    for wrong in (exchanged, scaled):
+    for what, wrong in ((label, exchanged), (f"the scale of {label}", scaled)):
         if wrong.any():
             run = int(wrong.argmax())
             as_fast = column_label(STATE, features[STATE], int(fits[run].argmax()))
-            found = f"{factor[run, int(fits[run].argmax())]:.3g} where {as_fast} moves by 1 a second{and_more(wrong)}"
+            found = f"{factor[run, int(fits[run].argmax())]:.3g} where {as_fast} moves by 1 a second"
             expected = f"1 where {column_label(STATE, features[STATE], column)} does"
             mend = "Are columns exchanged, or is it in degrees where the state is in radians?"
-            yield Fault(
-                frames.path, f"{label} in episode {numbers[run]}", found, expected, mend, tuple(numbers[wrong].tolist())
-            )
+            place, rows = f"{what} in episode {numbers[run]}", Rows(found, int(wrong.sum()))
+            yield Fault(frames.path, place, rows, expected, mend, episodes_of(numbers, wrong))
 
 
 def _smoothed(values: Floats) -> Floats:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from z2r.arrays import Array, Bools, Floats, Ints
 from z2r.audits.frames import RunStats
@@ -14,6 +15,8 @@ _AFTER = 5  # frames after a leap, with which it is compared
 _MARKS = 12  # frames of a run, evenly from its start, which tell one demonstration from another
 _TURNS, _A_TURN = (2 * np.pi, 360.0), 0.05  # rad and deg; of it: so much may come to it in one frame
 _MARK_EVERY = 0.27  # s
+_MIXERS = 2 * np.random.default_rng(0).integers(2**63, size=8, dtype=np.uint64) + 1  # odd
+NO_SKETCH = np.iinfo(np.uint64).max
 
 
 class RunSteps(NamedTuple):
@@ -41,6 +44,10 @@ class RunSteps(NamedTuple):
         How many frames repeat the one before, in all columns, between two that do not.
     marks : ndarray, float64[n_runs, 12 * size]
         Some frames, a quarter of a second apart: what tells a demonstration from another. NaN beyond its end.
+    sketch : ndarray, uint64[n_runs, 8]
+        The least of eight hashes of its frames, each with the one before, in which at least half as many columns move
+        as do at most: two runs have as many of them in common as frames, wherever these begin (Broder, "On the
+        resemblance and containment of documents", 1997). `NO_SKETCH` where there is no such frame.
     """
 
     at: Floats
@@ -58,6 +65,7 @@ class RunSteps(NamedTuple):
     stall_length: Floats
     repeated: Floats
     marks: Floats
+    sketch: NDArray[np.uint64]
 
 
 def moves(name: str) -> bool:
@@ -98,19 +106,25 @@ def run_sums(values: Array, starts: Ints, fps: float) -> tuple[RunStats, RunStep
         Frames per second, by which `RunSteps.marks` are chosen.
     """
     count = np.diff(starts, append=len(values))
-    moving = np.zeros(len(values), dtype=bool)
+    n_moving, prints = np.zeros(len(values), dtype=np.int64), np.zeros(len(values), dtype=np.uint64)
     stats, steps = [], []
     # One column after another: numpy reduces adjacent numbers many times faster, and what is at hand stays in a cache.
     for column in values.T:
         numbers = column.astype(np.float64)
         change = change_in_runs(numbers, starts)
         size = np.abs(change)
-        moving |= size > 0
+        n_moving += size > 0
+        prints = prints * _MIXERS[0] + (numbers + 0.0).view(np.uint64)  # of 0 there are two, which differ in a bit
         stats.append(_column_stats(numbers, change, size, starts, count))
         steps.append(_column_steps(numbers, change, size, stats[-1]["step"], starts, count))
     return (
         RunStats(n=count.astype(np.float64), **_stacked(stats)),
-        RunSteps(**_stacked(steps), repeated=_repeated(moving, starts)[:, None], marks=_marks(values, starts, fps)),
+        RunSteps(
+            **_stacked(steps),
+            repeated=_repeated(n_moving > 0, starts)[:, None],
+            marks=_marks(values, starts, fps),
+            sketch=_sketch(prints, n_moving, starts),
+        ),
     )
 
 
@@ -216,6 +230,20 @@ def _repeated(moving: Bools, starts: Ints) -> Floats:
     between[1:-1] = ~moving[1:-1] & moving[:-2] & moving[2:]
     between[starts] = False
     return count_in_runs(between, starts)
+
+
+def _sketch(prints: NDArray[np.uint64], n_moving: Ints, starts: Ints) -> NDArray[np.uint64]:
+    most = np.repeat(np.maximum.reduceat(n_moving, starts), np.diff(starts, append=len(n_moving)))
+    told = n_moving >= np.maximum(1, (most + 1) // 2)
+    told[starts] = False
+    both = prints[1:] * _MIXERS[1] + prints[:-1]
+    both ^= both >> np.uint64(31)
+    sketch = np.full((len(starts), len(_MIXERS)), NO_SKETCH)
+    hashed = np.full(len(prints), NO_SKETCH)
+    for column, mixer in enumerate(_MIXERS):
+        hashed[1:][told[1:]] = (both * mixer)[told[1:]]
+        sketch[:, column] = np.minimum.reduceat(hashed, starts)
+    return sketch
 
 
 def _marks(values: Array, starts: Ints, fps: float) -> Floats:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from z2r.audits.claims import Claims, NoSchema, Stored
-from z2r.audits.frames import FileFrames
+from z2r.audits.frames import FileColumns
 from z2r.check import Answer, Check
 from z2r.errors import Fault, count, some
 from z2r.format import rules
@@ -80,10 +80,10 @@ def stats_file(stored: Stored) -> Iterator[Answer]:
 DATA_FILE = Check("data-file", "every data file that the index names is there and can be read", "error")
 
 
-@DATA_FILE.of(FileFrames)
-def data_file(frames: FileFrames) -> Iterator[Answer]:
+@DATA_FILE.of(FileColumns)
+def data_file(file: FileColumns) -> Iterator[Answer]:
     """Can the file be read?"""
-    yield from frames.read.unreadable
+    yield from file.read.unreadable
 
 
 VIDEO_FILE = Check("video-file", "every video that the index names is there and can be read", "error")
@@ -134,43 +134,43 @@ def no_orphan_video(claims: Claims) -> Iterator[Answer]:
             yield Fault(path, "", "a video that no episode is in", "only those that the index names")
 
 
-@Check("columns", "every feature has a column, and every column is a feature", "error").of(FileFrames)
-def columns(frames: FileFrames) -> Iterator[Answer]:
+@Check("columns", "every feature has a column, and every column is a feature", "error").of(FileColumns)
+def columns(file: FileColumns) -> Iterator[Answer]:
     """Videos are files of their own; every other feature is a column."""
-    if frames.read.n_rows is None:
+    if file.read.n_rows is None:
         return
-    features, present = frames.schema.features, frames.read.present
+    features, present = file.schema.features, file.read.present
     stored = [name for name, feature in features.items() if feature.dtype != "video"]
-    yield from rules.missing_columns(frames.path, stored, present)
+    yield from rules.missing_columns(file.claims.path, stored, present)
     mend = "LeRobot refuses such a file: name it in the features, or drop it"
     for name in present:
         if name not in features:
-            yield Fault(frames.path, name, "a column", "only features that meta/info.json names", mend)
+            yield Fault(file.claims.path, name, "a column", "only features that meta/info.json names", mend)
 
 
 COLUMN_TYPE = Check("column-type", "every column has the type and the width that the schema says", "error")
 
 
-@COLUMN_TYPE.of(FileFrames)
-def columns_have_their_shape(frames: FileFrames) -> Iterator[Answer]:
+@COLUMN_TYPE.of(FileColumns)
+def columns_have_their_shape(file: FileColumns) -> Iterator[Answer]:
     """Has every column the width that the schema says, those too that are too wide to be read?"""
-    for name, width in frames.read.widths.items():
-        size = frames.schema.features[name].size
+    for name, width in file.read.widths.items():
+        size = file.schema.features[name].size
         if width != size:
             expected = f"{size:,}, as its shape in meta/info.json says"
-            yield Fault(frames.path, name, f"{width:,} numbers in each row", expected)
-    yield from frames.read.misshapen
+            yield Fault(file.claims.path, name, f"{width:,} numbers in each row", expected)
+    yield from file.read.misshapen.values()
 
 
-@COLUMN_TYPE.of(FileFrames)
-def columns_have_their_dtype(frames: FileFrames) -> Iterator[Answer]:
+@COLUMN_TYPE.of(FileColumns)
+def columns_have_their_dtype(file: FileColumns) -> Iterator[Answer]:
     """Another float is harmless."""
-    for name, stored in frames.read.dtypes.items():
-        said = frames.schema.features[name].dtype
+    for name, stored in file.read.dtypes.items():
+        said = file.schema.features[name].dtype
         if said == stored or (said == "bool" and stored == "uint8"):  # as booleans are read
             continue
         harmless = np.dtype(stored).kind == "f" and said.startswith("float")
-        fault = Fault(frames.path, name, f"values of type {stored}", f"{said}, as meta/info.json says")
+        fault = Fault(file.claims.path, name, f"values of type {stored}", f"{said}, as meta/info.json says")
         yield "note" if harmless else "warning", fault
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from z2r.arrays import Bools, Ints
-from z2r.audits.frames import FileFrames, RunStats
+from z2r.audits.frames import FileColumns, FileFrames, RunStats
 from z2r.audits.runs import Runs
 from z2r.check import Answer, Check
 from z2r.errors import Fault
@@ -27,10 +27,11 @@ _NEARLY_ALL = 0.9  # of the episodes
 FINITE = Check("finite", "there is no NaN, no infinity, and no gap", "error")
 
 
-@FINITE.of(FileFrames)
-def finite(frames: FileFrames) -> Iterator[Answer]:
+@FINITE.of(FileColumns)
+def finite(file: FileColumns) -> Iterator[Answer]:
     """Is every value a number?"""
-    yield from frames.read.gaps
+    yield from file.read.missing.values()
+    yield from file.read.unfinite.values()
 
 
 @Check("unit-circle", "sin² + cos² is 1 for every angle that is stored as (sin, cos)", "error").of(FileFrames)
@@ -43,10 +44,8 @@ def unit_circle(frames: FileFrames) -> Iterator[Answer]:
             wrong = np.abs(squares - 1) > UNIT_TOLERANCE
             if wrong.any():
                 row = int(wrong.argmax())
-                place = f"{name}: {feature.dim_names[sine]}² + {feature.dim_names[cosine]}² in row {row}"
-                found, named = f"{squares[row]:.3f}{and_more(wrong)}", frames.episodes_in(wrong)
-                frame = frames.claims.base + row
-                yield Fault(frames.path, place, found, "1: a sine and its cosine", "", named, frame)
+                what, found = f"{feature.dim_names[sine]}² + {feature.dim_names[cosine]}²", f"{squares[row]:.3f}"
+                yield frames.fault(f"{name}: {what}", wrong, found, "1: a sine and its cosine", framed=True)
 
 
 JUMP = Check("jump", "no value leaps away and back, many times further than it moves elsewhere", "warning")
@@ -61,12 +60,9 @@ def unit_quaternion(frames: FileFrames) -> Iterator[Answer]:
             squares = np.square(values[:, columns].astype(np.float64)).sum(axis=1)
             wrong = np.abs(squares - 1) > UNIT_TOLERANCE
             if wrong.any():
-                row = int(wrong.argmax())
-                place = f"{name}: the squares of {', '.join(feature.dim_names[each] for each in columns)} in row {row}"
-                found = f"{squares[row]:.3f}{and_more(wrong)}"
-                named, frame = frames.episodes_in(wrong), frames.claims.base + row
-                mend = "Divide each by its length"
-                yield Fault(frames.path, place, found, "1: a quaternion", mend, named, frame)
+                what = f"{name}: the squares of {', '.join(feature.dim_names[each] for each in columns)}"
+                found = f"{squares[int(wrong.argmax())]:.3f}"
+                yield frames.fault(what, wrong, found, "1: a quaternion", "Divide each by its length", framed=True)
 
 
 @Check(
@@ -82,11 +78,9 @@ def quaternions_keep_their_sign(frames: FileFrames) -> Iterator[Answer]:
             wrong[1:] = (turns[1:] * turns[:-1]).sum(axis=1) < -_SAME_TURN * np.square(turns[1:]).sum(axis=1)
             wrong[frames.run_starts] = False
             if wrong.any():
-                row, named = int(wrong.argmax()), frames.episodes_in(wrong)
-                place = f"{name}: {', '.join(feature.dim_names[each] for each in columns)} in row {row}"
-                found = f"the negative of the row before{and_more(wrong)}"
+                what = f"{name}: {', '.join(feature.dim_names[each] for each in columns)}"
                 mend = "Both are one turn, but a policy that learns it sees a leap: turn the sign of those rows round"
-                yield Fault(frames.path, place, found, "the same sign", mend, named, frames.claims.base + row)
+                yield frames.fault(what, wrong, "the negative of the row before", "the same sign", mend, framed=True)
 
 
 @JUMP.of(Runs)

@@ -21,7 +21,7 @@ from z2r.format.store import check_no_pointer, fault_of, fetch, is_far, open_map
 
 # The last one: pyarrow meets a damaged column name.
 _UNREADABLE = (pa.ArrowException, OSError, UnicodeDecodeError)
-_NUMERIC = "numbers, one for each frame"
+NUMERIC = "numbers, one for each frame"
 _MAX_NUMBERS = 2**28  # at a time: 1 GiB of float32
 _MAX_NUMBERS_OF_A_FILE = 2**32  # in blocks: what a footer claims beyond that is no recording
 _BLOCK = 2**21  # numbers: 8 MiB of float32
@@ -307,7 +307,7 @@ def _rows_at_a_time(file: pq.ParquetFile, leaf: str) -> int:
     return max(1, min(_MAX_BLOBS, _MAX_BLOB_BYTES // max(largest, 1)))
 
 
-def vectors(table: pa.Table, column: str, shape: Sequence[int], path: Path) -> Array:
+def vectors(table: pa.Table, column: str, shape: Sequence[int], path: Path, first: int = 0) -> Array:
     """Return one numeric column as a read-only array, one flattened vector for each row.
 
     Parameters
@@ -320,6 +320,8 @@ def vectors(table: pa.Table, column: str, shape: Sequence[int], path: Path) -> A
         The shape that the schema declares for one row. ``(1,)`` also stands for a plain number.
     path : Path
         For the error messages.
+    first : int
+        And for these, which row of the file the table begins with.
 
     Returns
     -------
@@ -335,12 +337,12 @@ def vectors(table: pa.Table, column: str, shape: Sequence[int], path: Path) -> A
     n_rows = len(array)
     for size in () if tuple(shape) == (1,) and not _is_list(array.type) else shape:
         _check_no_gaps(array, path, column)
-        array = _flatten_lists(array, size, shape, path, column)
+        array = _flatten_lists(array, size, shape, path, column, n_rows, first)
     _check_no_gaps(array, path, column)
     if pa.types.is_boolean(array.type):
         array = array.cast(pa.uint8())
     if not (pa.types.is_integer(array.type) or pa.types.is_floating(array.type)):
-        raise DatasetError(Fault(path, column, f"values of type {array.type}", _NUMERIC))
+        raise DatasetError(Fault(path, column, f"values of type {array.type}", NUMERIC))
     return np.from_dlpack(array).reshape(n_rows, math.prod(shape))
 
 
@@ -360,7 +362,9 @@ def _one_array(table: pa.Table, column: str) -> pa.Array:
     return array.storage if isinstance(array, pa.ExtensionArray) else array
 
 
-def _flatten_lists(array: pa.Array, size: int, shape: Sequence[int], path: Path, column: str) -> pa.Array:
+def _flatten_lists(
+    array: pa.Array, size: int, shape: Sequence[int], path: Path, column: str, n_rows: int, first: int
+) -> pa.Array:
     expected = f"{size} numbers in each row, as its shape {tuple(shape)} in meta/info.json says"
     # `array.flatten()` would do, but imports pyarrow.compute, which costs more than reading a small dataset.
     if pa.types.is_fixed_size_list(array.type):
@@ -372,7 +376,8 @@ def _flatten_lists(array: pa.Array, size: int, shape: Sequence[int], path: Path,
         sizes = np.diff(offsets)
         if np.any(sizes != size):
             row = int(np.argmax(sizes != size))
-            raise DatasetError(Fault(path, column, f"{sizes[row]} in row {row}", expected))
+            found = f"{sizes[row]} in row {first + row * n_rows // len(sizes)}"  # each row holds as many lists
+            raise DatasetError(Fault(path, column, found, expected))
         return array.values.slice(offsets[0], len(array) * size)
     raise DatasetError(Fault(path, column, f"values of type {array.type}", expected))
 
@@ -399,7 +404,7 @@ def _is_list(kind: pa.DataType) -> bool:
 def _check_no_gaps(array: pa.Array, path: Path, column: str) -> None:
     if array.null_count:
         found = f"no value in {array.null_count} of {len(array)} rows"
-        raise DatasetError(Fault(path, column, found, _NUMERIC))
+        raise DatasetError(Fault(path, column, found, NUMERIC))
 
 
 def _said(error: Exception) -> str:

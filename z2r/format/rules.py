@@ -6,6 +6,7 @@ A rule is a generator of faults, and names files relative to the dataset. The re
 
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,6 +28,29 @@ def raise_first(root: Path, faults: Iterable[Fault]) -> None:
     """
     for fault in faults:
         raise DatasetError(fault.below(root))
+
+
+class Rows(NamedTuple):
+    """What was found in the first of some rows of a file, and how many there are like it: it reads as what was found.
+
+    >>> print(Rows(7, 3))
+    7 (and 2 more like it)
+    """
+
+    found: object
+    n: int
+
+    def __str__(self) -> str:
+        return f"{self.found}{and_more(self.n)}"
+
+
+def together(faults: Sequence[Fault]) -> Fault:
+    """Put what is wrong in several blocks of rows, in their order, into the one fault that all rows would have had."""
+    first = faults[0]
+    rows = [fault.found for fault in faults if isinstance(fault.found, Rows)]
+    episodes = tuple(sorted({number for fault in faults for number in fault.episodes}))
+    found = rows[0]._replace(n=sum(each.n for each in rows)) if rows else first.found
+    return first._replace(found=found, episodes=episodes)
 
 
 def and_more(wrong: Bools | int) -> str:
@@ -142,11 +166,11 @@ def missing_columns(path: Path, features: Iterable[str], present: Sequence[str])
             yield Fault(path, name, "no such column", "one for each feature in meta/info.json")
 
 
-def finite(path: Path, name: str, feature: Feature, values: Array) -> Iterator[Fault]:
-    """There is no NaN and no infinity; `values` are those of one feature in a data file, (n_rows, size)."""
+def finite(path: Path, name: str, feature: Feature, values: Array, first: int = 0) -> Iterator[Fault]:
+    """There is no NaN and no infinity; `values` are those of one feature in a data file from row `first` on."""
     fine = np.isfinite(values)
     if fine.all():
         return
     row, column = np.argwhere(~fine)[0].tolist()
-    place = f"{name}[{feature.dim_names[column] if feature.dim_names else column}] in row {row}"
-    yield Fault(path, place, f"{values[row, column]}{and_more(~fine)}", "a finite number")
+    place = f"{name}[{feature.dim_names[column] if feature.dim_names else column}] in row {first + row}"
+    yield Fault(path, place, Rows(values[row, column], int(np.sum(~fine))), "a finite number")

@@ -4,7 +4,7 @@ The reader of a whole dataset (`z2r.format.dataset`) wants all or nothing and st
 the salvage go on. All of them read with what stands here.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -17,7 +17,17 @@ from z2r.arrays import Array, Bools, Columns, Ints
 from z2r.errors import DatasetError, Fault, some
 from z2r.format import rules
 from z2r.format.episodes import EpisodeTable, file_numbers, shard_paths
-from z2r.format.parquet import gap_rows, integers, open_parquet, read_columns, texts, vectors, width
+from z2r.format.parquet import (
+    NUMERIC,
+    gap_rows,
+    integers,
+    open_parquet,
+    read_blocks,
+    read_columns,
+    texts,
+    vectors,
+    width,
+)
 from z2r.format.schema import BOOKKEEPING, INFO_PATH, MAX_SIGNAL_SIZE, Feature, Schema, data_file_path, read_info
 from z2r.format.store import inside, read_bytes
 
@@ -32,7 +42,8 @@ EPISODE_COLUMNS = (
     "data/file_index",
 )
 STATISTICS = ("count", "min", "max", "mean", "std")
-"""Of each feature, as LeRobot names them; the quantiles, which it estimates, are left out."""
+QUANTILES = ("q01", "q10", "q50", "q90", "q99")
+"""Of each feature, as LeRobot names them; the quantiles it estimates."""
 
 _MAX_STATS_BYTES = 64 * 2**20
 
@@ -148,7 +159,9 @@ class ShardStatistics(NamedTuple):
     stored: dict[str, Columns]
 
 
-def read_shard_statistics(root: Path, shard: Path, features: Mapping[str, Feature]) -> Read[ShardStatistics]:
+def read_shard_statistics(
+    root: Path, shard: Path, features: Mapping[str, Feature], kinds: Sequence[str] = STATISTICS
+) -> Read[ShardStatistics]:
     """Read the statistics that stand in a shard, which `read_episodes` found to be readable, beside its episodes."""
     path, faults = root / shard, []
     parquet = open_parquet(path)
@@ -156,15 +169,15 @@ def read_shard_statistics(root: Path, shard: Path, features: Mapping[str, Featur
     stored: dict[str, Columns] = {}
     for name, feature in features.items():
         try:
-            stored[name] = _statistics_of(parquet, path, name, feature)
+            stored[name] = _statistics_of(parquet, path, name, feature, kinds)
         except DatasetError as error:
             faults.append(error.fault.relative_to(root))
     return Read(ShardStatistics(numbers, stored), tuple(faults))
 
 
-def _statistics_of(parquet: pq.ParquetFile, path: Path, name: str, feature: Feature) -> Columns:
+def _statistics_of(parquet: pq.ParquetFile, path: Path, name: str, feature: Feature, kinds: Sequence[str]) -> Columns:
     present = parquet.schema_arrow.names
-    columns = {kind: f"stats/{name}/{kind}" for kind in STATISTICS if f"stats/{name}/{kind}" in present}
+    columns = {kind: f"stats/{name}/{kind}" for kind in kinds if f"stats/{name}/{kind}" in present}
     table = read_columns(parquet, path, list(columns.values()))
     return {
         kind: vectors(table, column, (1,) if kind == "count" else feature.shape, path)
@@ -253,10 +266,12 @@ def read_stats(root: Path) -> Read[dict[str, dict[str, Any]] | None]:
 
 
 class DataColumns(NamedTuple):
-    """What can be read of one data file.
+    """What can be read of one data file, or of a block of its rows.
 
     Attributes
     ----------
+    first : int
+        Which row of the file the block begins with.
     n_rows : int or None
         None where the file cannot be read.
     frames : dict of str to ndarray
@@ -267,58 +282,196 @@ class DataColumns(NamedTuple):
         The dtype of each numeric feature that has the shape which the schema says.
     widths : dict of str to int
         Of what is too wide to be read: how many numbers each row holds.
-    unreadable, misshapen, gaps : tuple of Fault
-        The file; columns that are not what the schema says; columns with NaN, infinity or nothing in a row.
+    unreadable : tuple of Fault
+        The file.
+    misshapen, missing, unfinite : dict of str to Fault
+        Columns that are not what the schema says; those with nothing in a row; those with NaN or infinity.
     """
 
+    first: int
     n_rows: int | None
     frames: Columns
     present: tuple[str, ...]
     dtypes: dict[str, str]
     widths: dict[str, int]
     unreadable: tuple[Fault, ...]
-    misshapen: tuple[Fault, ...]
-    gaps: tuple[Fault, ...]
+    misshapen: dict[str, Fault]
+    missing: dict[str, Fault]
+    unfinite: dict[str, Fault]
+
+    @property
+    def broken(self) -> set[str]:
+        """The columns that are not whole."""
+        return {*self.misshapen, *self.missing, *self.unfinite}
 
     @property
     def faults(self) -> tuple[Fault, ...]:
         """All of them, the worst first."""
-        return self.unreadable + self.misshapen + self.gaps
+        columns = self.misshapen, self.missing, self.unfinite
+        return (*self.unreadable, *(fault for faults in columns for fault in faults.values()))
+
+    def part(self, start: int, stop: int) -> "DataColumns":
+        """Return some of its rows."""
+        frames = {name: values[start:stop] for name, values in self.frames.items()}
+        return self._replace(first=self.first + start, n_rows=stop - start, frames=frames)
 
 
 def read_data_file(root: Path, schema: Schema, path: Path) -> DataColumns:
     """Read the numeric columns of a data file; `path` is relative to `root`."""
     try:
-        parquet = open_parquet(inside(root, path))
-        stored = parquet.schema_arrow
-        known = set(stored.names) & set(schema.features)
-        wanted = [name for name in (*schema.signals(), *BOOKKEEPING) if name in known]
-        table = read_columns(parquet, path, wanted)
+        opened = open_parquet(inside(root, path))
+        wanted = _wanted(schema, opened.schema_arrow)
+        return _data_columns(schema, path, opened.schema_arrow, wanted, read_columns(opened, path, wanted), 0)
     except DatasetError as error:
-        return DataColumns(None, {}, (), {}, {}, (error.fault.relative_to(root),), (), ())
+        return _unreadable(root, error)
+
+
+def read_data_blocks(root: Path, schema: Schema, path: Path, least: int) -> Iterator[DataColumns]:
+    """Read what `read_data_file` does, some episodes at a time, so that memory does not grow with the file.
+
+    Only an episode is held at once, however long it is, and so is a file that does not say which episodes it holds.
+
+    Parameters
+    ----------
+    root, schema, path
+        As for `read_data_file`.
+    least : int
+        So many rows has the first block, where the file has as many.
+
+    Yields
+    ------
+    DataColumns
+        With the columns that are whole in all of the file. That one is not may be seen late: a block that begins with
+        row 0 begins the file again, and what came before is void. What the last one says is wrong is so in the file.
+    """
+    try:
+        opened = open_parquet(inside(root, path))
+        seen: list[DataColumns] = []
+        yield from _of_whole_episodes(_until_broken(_blocks(opened, root, schema, path), seen), least)
+        found = _join_blocks(seen)
+        if len(seen) > 1 and found.broken:
+            whole = _of_whole_episodes(_blocks(opened, root, schema, path, left_out=found.broken), least)
+            yield from (_saying_of(found, each) for each in whole)
+    except DatasetError as error:
+        yield _unreadable(root, error)
+
+
+def _blocks(
+    opened: pq.ParquetFile, root: Path, schema: Schema, path: Path, left_out: Collection[str] = ()
+) -> Iterator[DataColumns]:
+    stored, first = opened.schema_arrow, 0
+    wanted = [name for name in _wanted(schema, stored) if name not in left_out]
+    for table in read_blocks(opened, inside(root, path), wanted):
+        yield _data_columns(schema, path, stored, wanted, table, first)
+        first += len(table)
+
+
+def _saying_of(file: DataColumns, block: DataColumns) -> DataColumns:
+    """Return the frames of a block, with what is said of the whole file."""
+    return file._replace(first=block.first, n_rows=block.n_rows, frames=block.frames)
+
+
+def _until_broken(blocks: Iterator[DataColumns], seen: list[DataColumns]) -> Iterator[DataColumns]:
+    """Hand blocks on until a column is broken that was whole before; see what is said of the file in all of them."""
+    broken: set[str] = set()
+    for block in blocks:
+        seen.append(block._replace(frames={}))
+        broken |= block.broken
+        if len(seen) == 1 or not broken:
+            yield block
+
+
+def _of_whole_episodes(blocks: Iterator[DataColumns], least: int) -> Iterator[DataColumns]:
+    """Cut blocks anew, where an episode begins; what comes after waits for the rest of it."""
+    waiting: list[DataColumns] = []
+    for block in blocks:
+        rest, cut = block, _last_beginning(waiting, block)
+        if cut is not None and block.first + cut >= least:
+            yield _join_blocks([*waiting, block.part(0, cut)])
+            waiting, rest = [], block.part(cut, block.n_rows or 0)
+        waiting.append(rest)
+    yield _join_blocks(waiting)
+
+
+def _last_beginning(before: Sequence[DataColumns], block: DataColumns) -> int | None:
+    """Return the last row of a block in which an episode begins; None where none does, or where nobody knows."""
+    if any("episode_index" not in each.frames for each in (*before[-1:], block)):
+        return None
+    number = block.frames["episode_index"][:, 0]
+    last = before[-1].frames["episode_index"][-1:, 0] if before else number[:1]
+    begins = np.flatnonzero(np.concatenate([last, number[:-1]]) != number)
+    return int(begins[-1]) if len(begins) else None
+
+
+def _join_blocks(blocks: Sequence[DataColumns]) -> DataColumns:
+    """Put blocks that follow each other together, with the frames of columns that all of them have."""
+    if len(blocks) == 1:
+        return blocks[0]
+    names = [name for name in blocks[0].frames if all(name in block.frames for block in blocks)]
+    whole = {name: dtype for name, dtype in blocks[0].dtypes.items() if all(name in block.dtypes for block in blocks)}
+    missing = _join_faults([block.missing for block in blocks])
+    misshapen = _join_faults([block.misshapen for block in blocks], missing)
+    unfinite = _join_faults([block.unfinite for block in blocks], missing | misshapen)
+    if "episode_index" not in whole:
+        missing, unfinite = (
+            {name: fault._replace(episodes=()) for name, fault in each.items()} for each in (missing, unfinite)
+        )
+    return blocks[0]._replace(
+        n_rows=sum(block.n_rows or 0 for block in blocks),
+        frames={name: np.concatenate([block.frames[name] for block in blocks]) for name in names},
+        dtypes=whole,
+        misshapen=misshapen,
+        missing=missing,
+        unfinite=unfinite,
+    )
+
+
+def _join_faults(blocks: Sequence[Mapping[str, Fault]], without: Collection[str] = ()) -> dict[str, Fault]:
+    names = dict.fromkeys(name for block in blocks for name in block if name not in without)
+    return {name: rules.together([block[name] for block in blocks if name in block]) for name in names}
+
+
+def _wanted(schema: Schema, stored: pa.Schema) -> list[str]:
+    known = set(stored.names) & set(schema.features)
+    return [name for name in (*schema.signals(), *BOOKKEEPING) if name in known]
+
+
+def _unreadable(root: Path, error: DatasetError) -> DataColumns:
+    return DataColumns(0, None, {}, (), {}, {}, (error.fault.relative_to(root),), {}, {}, {})
+
+
+def _data_columns(
+    schema: Schema, path: Path, stored: pa.Schema, wanted: Sequence[str], table: pa.Table, first: int
+) -> DataColumns:
+    """Take the columns apart of which all rows, from row `first` of the file on, are as they should be."""
     frames: Columns = {}
     dtypes: dict[str, str] = {}
-    misshapen: list[Fault] = []
-    broken: list[tuple[Fault, Bools]] = []
+    misshapen: dict[str, Fault] = {}
+    broken: tuple[dict[str, tuple[Fault, Bools]], ...] = ({}, {})
     for name in wanted:
         try:
-            values = vectors(table, name, schema.features[name].shape, path)
+            values = vectors(table, name, schema.features[name].shape, path, first)
             _check_kind(path, name, values)
         except DatasetError as error:
             rows = gap_rows(table, name)
             if rows.any():
-                broken.append((error.fault, rows))
+                place = f"{name} in row {first + int(rows.argmax())}"
+                found = rules.Rows("no value", int(rows.sum()))
+                broken[0][name] = Fault(path, place, found, NUMERIC), rows
             else:
-                misshapen.append(error.fault)
+                misshapen[name] = error.fault
             continue
         dtypes[name] = values.dtype.name
-        unfinite = list(rules.finite(path, name, schema.features[name], values))
-        broken += [(fault, _unfinite_rows(values)) for fault in unfinite]
-        if len(table) and not unfinite:
+        for fault in rules.finite(path, name, schema.features[name], values, first):
+            broken[1][name] = fault, _unfinite_rows(values)
+        if len(table) and name not in broken[1]:
             frames[name] = values
-    gaps = [fault._replace(episodes=episodes_in(frames, rows)) for fault, rows in broken]
+    missing, unfinite = (
+        {name: fault._replace(episodes=episodes_in(frames, rows)) for name, (fault, rows) in each.items()}
+        for each in broken
+    )
     widths = dict(_wide(schema, stored))
-    return DataColumns(len(table), frames, tuple(stored.names), dtypes, widths, (), tuple(misshapen), tuple(gaps))
+    return DataColumns(first, len(table), frames, tuple(stored.names), dtypes, widths, (), misshapen, missing, unfinite)
 
 
 def episodes_in(frames: Columns, rows: Bools) -> tuple[int, ...]:

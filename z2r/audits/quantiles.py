@@ -1,0 +1,70 @@
+"""Are the stored quantiles such as LeRobot stores them? π0.5 scales what it sees and does by q01 and q99.
+
+LeRobot 0.6.1 estimates those of an episode from a histogram, and takes for those of the dataset the mean over its
+episodes (`lerobot/datasets/compute_stats.py`: `aggregate_feature_stats`). Those of all frames lie farther out, towards
+the episode that goes farthest. Which of the two is stored, nobody can tell, and either will do.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from z2r.arrays import Columns, Floats
+from z2r.audits import edit
+from z2r.audits.runs import Runs
+from z2r.audits.stats import STATS, numbers
+from z2r.check import Answer
+from z2r.errors import Fault
+from z2r.format.rules import and_more
+from z2r.format.schema import Feature, is_for_a_policy
+from z2r.format.tables import QUANTILES, STATS_PATH, read_shard_statistics
+
+_SLACK = 0.15  # of the range from q01 to q99: by so much a histogram, and a mean over episodes, may be off
+_MIDDLE = "q50"
+
+
+@STATS.of(Runs)
+@np.errstate(all="ignore")
+def quantiles_of_the_dataset(runs: Runs) -> Iterator[Answer]:
+    """Do the quantiles in meta/stats.json lie where those of the episodes do?"""
+    stored, features = runs.claims.stored.stats.value or {}, runs.claims.schema.features
+    wanted = {name: features[name] for name in runs.stats if is_for_a_policy(name) and len(features[name].shape) == 1}
+    for name, of_episodes in _of_episodes(runs, wanted).items():
+        width = _mean(of_episodes, "q99") - _mean(of_episodes, "q01")
+        for kind in QUANTILES:
+            said = numbers(stored.get(name, {}).get(kind))
+            if said is None or said.shape != width.shape:
+                continue
+            low, high = (
+                limit + sign * _SLACK * width for sign, limit in zip((-1, 1), _limits(of_episodes, kind), strict=True)
+            )
+            wrong = (width > 0) & ~((said >= low) & (said <= high))
+            if wrong.any():
+                off = np.where(wrong, np.maximum(low - said, said - high) / np.where(wrong, width, 1), 0)
+                column = int(off.argmax())
+                place = f"{name}.{kind}{features[name].at(column)}"
+                expected = f"{low[column]:.4g} to {high[column]:.4g}, by those of the episodes"
+                mend = f"π0.5 scales by them. Recompute them: {edit.recompute_stats(runs.claims.root)}"
+                yield Fault(STATS_PATH, place, f"{said[column]:.6g}{and_more(wrong)}", expected, mend)
+
+
+def _limits(of_episodes: Columns, kind: str) -> tuple[Floats, Floats]:
+    """Return between which numbers a quantile lies, (size,): the mean over the episodes, and the farthest of them."""
+    each, mean = of_episodes[kind].astype(np.float64), _mean(of_episodes, kind)
+    return each.min(axis=0) if kind <= _MIDDLE else mean, each.max(axis=0) if kind >= _MIDDLE else mean
+
+
+@np.errstate(all="ignore")  # what is stored may be any number
+def _mean(of_episodes: Columns, kind: str) -> Floats:
+    count = of_episodes["count"].astype(np.float64)
+    mean: Floats = (of_episodes[kind].astype(np.float64) * count).sum(axis=0) / count.sum()
+    return mean
+
+
+def _of_episodes(runs: Runs, wanted: dict[str, Feature]) -> dict[str, Columns]:
+    """Return the quantiles of all episodes, and how many frames each has: those of features that have all of them."""
+    kinds = ("count", *QUANTILES)
+    root, shards = runs.claims.root, runs.claims.stored.episodes.value.shards
+    parts = [read_shard_statistics(root, shard, wanted, kinds).value.stored for shard in shards]
+    whole = [name for name in wanted if parts and all({*kinds} == part.get(name, {}).keys() for part in parts)]
+    return {name: {kind: np.concatenate([part[name][kind] for part in parts]) for kind in kinds} for name in whole}
