@@ -301,3 +301,47 @@ def test_a_path_at_a_url_is_joined_as_any(storage: Storage) -> None:
         path.read_bytes()
     assert storage.door.requests == []
     assert BUCKET not in str(path)
+
+
+# --- before a download
+
+
+def test_a_verdict_before_a_download_reads_no_frame(storage: Storage, urls: dict[str, str]) -> None:
+    found = audited(urls["arm"], meta_only=True)
+    assert found == audited("arm", meta_only=True)
+    assert (found["exit_code"], found["n_frames"]) == (0, 1881)
+    [left_out] = found["not_checked"]
+    assert all(f" {check}," in left_out for check in ("finite", "late", "stats", "camera-flat"))
+    assert " totals," not in left_out
+    frames = next(z2r.ARM.glob("data/*/*.parquet"))
+    storage.door.heal()
+    remote.forget()
+    audited(urls["messy"], meta_only=True)
+    assert storage.door.n_bytes < sum(path.stat().st_size for path in z2r.MESSY.rglob("*") if path.is_file())
+    assert frames.stat().st_size > 0
+
+
+def test_what_metadata_and_footers_tell_is_found_before_a_download(recorded: Path, tmp_path: Path) -> None:
+    root = Path(shutil.copytree(recorded, tmp_path / "damaged"))
+    first, second, third, fourth, *_ = sorted(root.glob("data/*/*.parquet"))
+    first.write_bytes(first.read_bytes()[:-300])
+    second.unlink()
+    table = pq.read_table(third)
+    pq.write_table(table.drop_columns("action"), third)
+    pq.write_table(table.slice(1), fourth)
+    (root / "meta/stats.json").write_text("{")
+    found = {(finding.check, finding.file) for finding in z2r.audit(root, meta_only=True).findings}
+    places = {path: path.relative_to(root).as_posix() for path in (first, second, third, fourth)}
+    assert found >= {
+        ("data-file", places[first]),
+        ("data-file", places[second]),
+        ("columns", places[third]),
+        ("file-rows", places[fourth]),
+        ("stats-file", "meta/stats.json"),
+    }
+
+
+@pytest.mark.parametrize("options", [{"pictures": True}, {"mode": z2r.break_mode("yaw-swap")}])
+def test_a_verdict_before_a_download_goes_with_nothing_that_reads_frames(options: dict) -> None:
+    with pytest.raises(ValueError, match="meta_only reads no frame"):
+        z2r.audit("standin", meta_only=True, **options)

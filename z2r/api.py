@@ -216,6 +216,7 @@ def audit(
     executor: Executor | None = None,
     *,
     pictures: bool = False,
+    meta_only: bool = False,
 ) -> Audit:
     """Look for everything that can be wrong with a dataset, in one pass over its files.
 
@@ -234,11 +235,16 @@ def audit(
         What runs the pass over the data files; threads unless given.
     pictures : bool, optional
         Decode some pictures of every episode and look at them. Needs the extra ``video``.
+    meta_only : bool, optional
+        Read no frame: only metadata, the footers of data files and the indices of videos, for a verdict before a
+        download. Goes with neither `mode` nor `pictures`.
 
     Raises
     ------
     DatasetError
         Only with a `mode`: if the dataset is not whole.
+    ValueError
+        Where `meta_only` is asked for what it does not go with.
     MissingExtraError
         Only with `pictures`: if PyAV is not installed.
 
@@ -254,9 +260,13 @@ def audit(
     >>> [finding.check for finding in wrong.findings if finding.severity == "error"]
     ['overlap']
     """
+    if meta_only and (mode or pictures):
+        raise ValueError("meta_only reads no frame: it goes with neither a break mode nor pictures")
     root = dataset.root if isinstance(dataset, Dataset) else _folder(dataset)
     reading = reading or reading_for(root)
-    return audits.audit(root, mode, reading, scene_of(reading), progress, executor, pictures=pictures)
+    return audits.audit(
+        root, mode, reading, scene_of(reading), progress, executor, pictures=pictures, meta_only=meta_only
+    )
 
 
 @one_error()

@@ -450,6 +450,11 @@ def report(dataset: str | None, *, reading: "Reading | None", out: Path, with_au
     metavar="FILE",
     help="Write the numbers of the episodes that no error is about, as `lerobot-train --dataset.episodes` takes them.",
 )
+@click.option(
+    "--meta-only",
+    is_flag=True,
+    help="Read no frame, for a verdict before a download: metadata, the footers of data files, the indices of videos.",
+)
 @click.option("--pictures", is_flag=True, help="Decode some pictures of every episode, too. Needs the extra `video`.")
 @click.option(
     "--baseline",
@@ -472,6 +477,7 @@ def audit(
     reading: "Reading | None",
     mode: BreakMode | str | None,
     keep: Path | None,
+    meta_only: bool,
     pictures: bool,
     baseline: Path | None,
     form: str,
@@ -491,6 +497,7 @@ def audit(
     - `z2r audit my_dataset && train my_dataset` trains on nothing that is broken
     - `z2r audit my_dataset --keep good.json`, and `lerobot-train --dataset.episodes="$(cat good.json)" ...` leaves the
       episodes out that have an error
+    - `z2r audit s3://bucket/my_dataset --meta-only` says what can be said before a download
     - `z2r audit my_dataset --pictures` also sees a camera that is black or frozen, or films another episode
     - `z2r audit my_dataset --json > accepted.json`, and `z2r audit my_dataset --baseline accepted.json` tells and
       counts only what is new since then
@@ -515,6 +522,8 @@ def audit(
         outside(root, keep)
     with contextlib.suppress(DatasetError):  # of a schema that cannot be read, the audit says why
         _fitting(reading, read_schema(root))
+    if meta_only and (mode or keep or pictures):
+        raise click.UsageError("--meta-only reads no frame: it goes with neither --break, --keep nor --pictures")
     if isinstance(mode, str):
         if keep or pictures:
             raise click.UsageError("--break all audits what is believed: it goes with neither --keep nor --pictures")
@@ -525,7 +534,7 @@ def audit(
     if mode:
         _say_what_is_wrong(screen, mode, load(root), reading or reading_for(root))
     with progress("auditing", "data files, then episodes of cameras" if pictures else "data files", quiet) as move:
-        found = audit_dataset(root, mode, reading, move, pictures=pictures)
+        found = audit_dataset(root, mode, reading, move, pictures=pictures, meta_only=meta_only)
     told = found.without(accepted)
     screen.print(audit_report(told, title), crop=False)
     if keep:

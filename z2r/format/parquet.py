@@ -194,6 +194,19 @@ def width(kind: pa.DataType) -> int | None:
     return None if _is_list(kind) else 1
 
 
+def dtype_of(kind: pa.DataType) -> str | None:
+    """Return which dtype of numpy the numbers in a value of an Arrow type have; None where they are no numbers.
+
+    >>> dtype_of(pa.list_(pa.float32(), 10)), dtype_of(pa.bool_()), dtype_of(pa.string())
+    ('float32', 'bool', None)
+    """
+    kind = kind.storage_type if isinstance(kind, pa.ExtensionType) else kind
+    if _is_list(kind):
+        return dtype_of(kind.value_type)
+    is_number = pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_boolean(kind)
+    return np.dtype(kind.to_pandas_dtype()).name if is_number else None
+
+
 def gap_rows(table: pa.Table, column: str) -> Bools:
     """Tell of each row whether a value, or a number in one, is missing: of numbers, or (nested) lists of numbers.
 
