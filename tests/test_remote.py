@@ -313,12 +313,15 @@ def test_a_verdict_before_a_download_reads_no_frame(storage: Storage, urls: dict
     [left_out] = found["not_checked"]
     assert all(f" {check}," in left_out for check in ("finite", "late", "stats", "camera-flat"))
     assert " totals," not in left_out
-    frames = next(z2r.ARM.glob("data/*/*.parquet"))
+
+
+def test_a_verdict_before_a_download_fetches_no_frame(storage: Storage, tmp_path: Path) -> None:
+    root = wide(tmp_path / "wide")
+    url = storage.put(root, "wide-too")
     storage.door.heal()
-    remote.forget()
-    audited(urls["messy"], meta_only=True)
-    assert storage.door.n_bytes < sum(path.stat().st_size for path in z2r.MESSY.rglob("*") if path.is_file())
-    assert frames.stat().st_size > 0
+    assert z2r.audit(url, meta_only=True).n_frames == 427
+    metadata = sum(path.stat().st_size for path in (root / "meta").rglob("*") if path.is_file())
+    assert storage.door.n_bytes - metadata <= 2**16
 
 
 def test_what_metadata_and_footers_tell_is_found_before_a_download(recorded: Path, tmp_path: Path) -> None:

@@ -361,6 +361,7 @@ def write_report(
     path: str | os.PathLike[str],
     reading: Reading | None = None,
     progress: Progress = no_progress,
+    executor: Executor | None = None,
     *,
     with_audit: bool = True,
 ) -> Report:
@@ -376,6 +377,8 @@ def write_report(
         What the columns mean; the one that ships and fits, unless given.
     progress : callable, optional
         Called with the number of frames done and the number of all, after each data file.
+    executor : Executor, optional
+        What runs the pass over the data files; threads unless given.
     with_audit : bool, optional
         Audit the dataset too, in the same pass over its files, and show what was found.
 
@@ -389,9 +392,9 @@ def write_report(
     reading = reading or choose_reading(dataset.schema)
     keep = reports.n_frames_in_report(dataset.schema, reading)
     if not with_audit:
-        inspection = inspect_dataset(dataset, reading=reading, progress=progress, keep=keep)
+        inspection = inspect_dataset(dataset, reading=reading, progress=progress, keep=keep, executor=executor)
         return reports.write_report(inspection, path, scene_of(inspection.reading))
-    inspection, found = both.inspect_and_audit(dataset, reading, scene_of(reading), progress, keep)
+    inspection, found = both.inspect_and_audit(dataset, reading, scene_of(reading), progress, keep, executor)
     return reports.write_report(inspection, path, scene_of(inspection.reading), found)
 
 

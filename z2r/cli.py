@@ -7,6 +7,7 @@ import contextlib
 import functools
 import importlib.util
 import io
+import re
 import sys
 from collections.abc import Callable, Iterator
 from importlib.abc import MetaPathFinder
@@ -22,6 +23,8 @@ from z2r.pusht.task import DEMO_NOISE, MAX_STEPS
 from z2r.reading.breaks import BREAK_MODES, BreakMode
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
     from rich.console import Console
 
     from z2r.audits.audit import Audit
@@ -85,6 +88,34 @@ def _names_a_dataset(command: Callable[..., None]) -> Callable[..., None]:
     return with_dataset
 
 
+def _runs_on(command: Callable[..., None]) -> Callable[..., None]:
+    """Take the address of a cluster by --ray, and hand the command what runs it there; else None."""
+    return click.option(
+        "--ray",
+        "executor",
+        is_flag=False,
+        flag_value="local",
+        callback=lambda context, parameter, address: context.with_resource(_ray(address)),
+        metavar="[ADDRESS]",
+        help="Run it on a Ray cluster: the one at ADDRESS, or one of this machine alone. Needs the extra `ray`.",
+    )(command)
+
+
+@contextlib.contextmanager
+def _ray(address: str | None) -> "Iterator[Executor | None]":
+    if address is None:
+        yield None
+        return
+    if address not in ("local", "auto") and not re.search(r":\d+$", address):
+        raise click.UsageError(
+            f"--ray: found {address}, expected an address such as ray://host:10001, or none; put DATASET before --ray"
+        )
+    from z2r.cluster import RayExecutor
+
+    with RayExecutor(address) as executor:
+        yield executor
+
+
 def _reads_as(command: Callable[..., None]) -> Callable[..., None]:
     """Take a reading by --reading, and hand it to the command."""
     return click.option(
@@ -127,6 +158,7 @@ class _AuditCommand(click.RichCommand):
 
 @cli.command(epilog=_MODES_HELP)
 @_names_a_dataset
+@_runs_on
 @click.option(
     "--episodes",
     type=click.IntRange(min=1),
@@ -165,6 +197,7 @@ class _AuditCommand(click.RichCommand):
 def inspect(
     dataset: str | None,
     *,
+    executor: "Executor | None",
     episodes: int | None,
     episode: int | None,
     seed: int | None,
@@ -206,7 +239,7 @@ def inspect(
     data, lost = _load(root, salvaged=salvage)
     screen = console(as_json)
     with _way_out(root, salvaged=salvage):
-        inspection = _inspect(_first(data, episodes), reading, mode, screen, episode, with_replay=with_replay)
+        inspection = _inspect(_first(data, episodes), reading, mode, screen, executor, episode, with_replay=with_replay)
     recording, no_verdict = _read_verdict(root)
     metrics = _write_metrics(inspection, title, recording, out, lost if salvage else None)
     _say_what_was_found(screen, inspection, title, lost if salvage else None, given=reading is not None)
@@ -228,6 +261,7 @@ def _inspect(
     reading: "Reading | None",
     mode: BreakMode | None,
     screen: "Console",
+    executor: "Executor | None",
     episode: int | None,
     *,
     with_replay: bool,
@@ -243,9 +277,8 @@ def _inspect(
     if mode:
         _say_what_is_wrong(screen, mode, dataset, reading)
     with progress("reading", "frames", screen.quiet) as move:
-        return inspect_dataset(
-            dataset, mode, reading, move, keep=MAX_REPLAY_FRAMES if with_replay else 0, episode=episode
-        )
+        keep = MAX_REPLAY_FRAMES if with_replay else 0
+        return inspect_dataset(dataset, mode, reading, move, keep, executor, episode)
 
 
 def _check_episode(episode: int | None, dataset: "Dataset") -> None:
@@ -402,6 +435,7 @@ def _write_replay(inspection: "Inspection", path: Path, screen: "Console", episo
 
 @cli.command()
 @_names_a_dataset
+@_runs_on
 @_reads_as
 @click.option(
     "--out",
@@ -412,7 +446,9 @@ def _write_replay(inspection: "Inspection", path: Path, screen: "Console", episo
     help="The page to write.",
 )
 @click.option("--audit/--no-audit", "with_audit", default=True, help="Show what is wrong with it. [default: audit]")
-def report(dataset: str | None, *, reading: "Reading | None", out: Path, with_audit: bool) -> None:
+def report(
+    dataset: str | None, *, executor: "Executor | None", reading: "Reading | None", out: Path, with_audit: bool
+) -> None:
     """Write a page that shows a dataset: play an episode, step through it, read it wrong and watch what happens.
 
     DATASET is named as for `z2r inspect`. It is never written to.
@@ -430,7 +466,7 @@ def report(dataset: str | None, *, reading: "Reading | None", out: Path, with_au
     _announce(screen, "report" if with_audit else "report --no-audit", data)
     outside(data.root, out)  # before the work, which takes a while
     with progress("reading", "frames", quiet=False) as move:
-        written = write_report(data, out, reading, move, with_audit=with_audit)
+        written = write_report(data, out, reading, move, executor, with_audit=with_audit)
     screen.print(f"wrote {written.path}: open it in a browser", soft_wrap=True)
     if written.left_out:
         screen.print(f"to keep the page small: {written.left_out}", soft_wrap=True)
@@ -438,6 +474,7 @@ def report(dataset: str | None, *, reading: "Reading | None", out: Path, with_au
 
 @cli.command(cls=_AuditCommand)
 @_names_a_dataset
+@_runs_on
 @_reads_as
 @_break_option(
     "Audit it as it is read under one of the mistakes that `z2r inspect --help` names: is it noticed? `all` tables"
@@ -474,6 +511,7 @@ def report(dataset: str | None, *, reading: "Reading | None", out: Path, with_au
 def audit(
     dataset: str | None,
     *,
+    executor: "Executor | None",
     reading: "Reading | None",
     mode: BreakMode | str | None,
     keep: Path | None,
@@ -529,12 +567,12 @@ def audit(
             raise click.UsageError("--break all audits what is believed: it goes with neither --keep nor --pictures")
         if baseline or form not in ("text", "json"):
             raise click.UsageError("--break all audits what is believed: it goes with no --baseline, and --format json")
-        _audit_beliefs(root, reading, screen)
+        _audit_beliefs(root, reading, screen, executor)
         return
     if mode:
         _say_what_is_wrong(screen, mode, load(root), reading or reading_for(root))
     with progress("auditing", "data files, then episodes of cameras" if pictures else "data files", quiet) as move:
-        found = audit_dataset(root, mode, reading, move, pictures=pictures, meta_only=meta_only)
+        found = audit_dataset(root, mode, reading, move, executor, pictures=pictures, meta_only=meta_only)
     told = found.without(accepted)
     screen.print(audit_report(told, title), crop=False)
     if keep:
@@ -557,7 +595,7 @@ def _write_kept(found: "Audit", path: Path, screen: "Console", root: Path) -> No
         )
 
 
-def _audit_beliefs(root: Path, reading: "Reading | None", screen: "Console") -> None:
+def _audit_beliefs(root: Path, reading: "Reading | None", screen: "Console", executor: "Executor | None") -> None:
     """Say which wrong beliefs a dataset refutes; as JSON where the screen is quiet."""
     import msgspec
 
@@ -565,7 +603,7 @@ def _audit_beliefs(root: Path, reading: "Reading | None", screen: "Console") -> 
     from z2r.show.terminal import beliefs_report, progress
 
     with progress("auditing", "beliefs", screen.quiet) as move:
-        found = audit_beliefs(root, reading, move)
+        found = audit_beliefs(root, reading, move, executor)
     title = folder_name(root)
     screen.print(beliefs_report(found, title))
     if screen.quiet:
