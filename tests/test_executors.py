@@ -173,10 +173,9 @@ def test_the_command_line_takes_a_cluster(cluster: RayExecutor, many_files: Path
     import ray
 
     here, address = many_files.parent, ray.get_runtime_context().gcs_address
-    for args in (["inspect", "--json"], ["audit", "--json"], ["report", "--out", "page.html"]):
-        near, far = (run(*args, "messy", *options, cwd=here) for options in ([], ["--ray", address]))
-        assert (far.returncode, far.stdout, far.stderr) == (near.returncode, near.stdout, near.stderr)
-        assert far.returncode in (0, 1)
+    near, far = (run("audit", "--json", "messy", *options, cwd=here) for options in ([], ["--ray", address]))
+    assert (far.returncode, far.stdout, far.stderr) == (near.returncode, near.stdout, near.stderr)
+    assert far.returncode in (0, 1)
 
 
 def test_a_dataset_is_no_address_of_a_cluster(tmp_path: Path) -> None:

@@ -5,6 +5,8 @@ those that come with other engines, such as ``Client.get_executor()`` of Dask an
 ``mpi4py.futures``. Ray has none, so here is one. What comes out is the same, byte for byte, whoever runs it.
 """
 
+import contextlib
+import os
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
 from pathlib import Path
@@ -57,7 +59,7 @@ class RayExecutor(Executor):
                 result, error = None, lost
             done.set_exception(error) if error else done.set_result(result)
 
-        self._run.remote(function, args, kwargs).future().add_done_callback(settle)
+        self._run.remote(Path.cwd(), function, args, kwargs).future().add_done_callback(settle)
         return done
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
@@ -66,8 +68,13 @@ class RayExecutor(Executor):
             self._ray.shutdown()
 
 
-def _run(function: Callable[..., Any], args: Any, kwargs: Any) -> tuple[Any, BaseException | None]:
-    """Return what a call returns, or raises, which Ray would wrap: whoever waits for it knows it by its type."""
+def _run(folder: Path, function: Callable[..., Any], args: Any, kwargs: Any) -> tuple[Any, BaseException | None]:
+    """Return what a call returns, or raises, which Ray would wrap: whoever waits for it knows it by its type.
+
+    It runs in the folder of who asked for it, from which paths may count; a machine may not have that.
+    """
+    with contextlib.suppress(OSError):
+        os.chdir(folder)
     try:
         return function(*args, **kwargs), None
     except BaseException as error:
