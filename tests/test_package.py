@@ -23,7 +23,7 @@ PINS = Path(__file__).with_name("colab-pins.txt")
 # Folders and modules of the package, low to high. What stands on one floor knows nothing of what stands beside it.
 FLOORS = [
     ["errors"],
-    ["arrays", "check", "data"],
+    ["arrays", "check", "cluster", "data"],
     ["format"],
     ["reading"],
     ["audits", "pusht"],
@@ -169,7 +169,7 @@ def test_the_extras_are_made_of_one_another():
     core = {Requirement(line).name for line in PROJECT["dependencies"]}
     assert core == {"jinja2", "lazy-loader", "msgspec", "numpy", "pyarrow", "rich", "rich-click"}
     assert requirements("view") == {"matplotlib", "rerun-sdk"}
-    assert requirements("all") == requirements("view", "video")
+    assert requirements("all") == requirements("view", "video", "remote")
     assert requirements("record") == requirements("sim") | {"lerobot"}
     assert requirements("notebook") == requirements("view", "sim")
     assert requirements("course") == requirements("notebook") | {"jupyterlab", "jupytext", "nbclient"}
@@ -189,7 +189,7 @@ def test_the_map_in_the_readme_is_whole():
     rows = {row[1]: row[0] for row in re.findall(r"(?m)^(\| `z2r/(\w+)(?:/|\.py)`.*)$", readme)}
     for module in SOURCES:
         folder, _, rest = module.partition(".")
-        assert folder in rows or folder in ("arrays", "check"), f"{folder} is not in the README's map"
+        assert folder in rows or folder in ("arrays", "check", "cluster"), f"{folder} is not in the README's map"
         if rest:
             assert f"`{rest.split('.')[0]}" in rows[folder], f"{module} is not in the README's map"
 

@@ -18,7 +18,8 @@ from z2r.audits.beliefs import Beliefs
 from z2r.audits.explain import EXPLANATIONS, Explanation, read_explanations
 from z2r.check import Check
 from z2r.data import READINGS_DIR, find_dataset
-from z2r.errors import DatasetError, Fault
+from z2r.data.urls import place_of
+from z2r.errors import DatasetError, Fault, one_error
 from z2r.format.dataset import Dataset
 from z2r.format.dataset import load as load_folder
 from z2r.format.schema import Schema, read_schema
@@ -139,14 +140,16 @@ def reading_for(root: Path) -> Reading | None:
         return None
 
 
+@one_error()
 def load(dataset: str | os.PathLike[str]) -> Dataset:
     """Read the two structural facts of a LeRobot v3 dataset; its frames are read when asked for.
 
     Parameters
     ----------
     dataset : str or path
-        The folder that holds ``meta/`` and ``data/``; the name of a dataset that ships, such as ``standin``; or one of
-        the hub, such as ``lerobot/pusht``, that was downloaded before: nothing is fetched.
+        The folder that holds ``meta/`` and ``data/``; the name of a dataset that ships, such as ``standin``; one of the
+        hub, such as ``lerobot/pusht``, that was downloaded before; or a URL such as ``s3://bucket/dataset``: nothing
+        else is fetched.
 
     Raises
     ------
@@ -162,6 +165,7 @@ def load(dataset: str | os.PathLike[str]) -> Dataset:
     return load_folder(find_dataset(dataset))
 
 
+@one_error()
 def inspect_dataset(
     dataset: Dataset | str | os.PathLike[str],
     mode: BreakMode | None = None,
@@ -203,6 +207,7 @@ def inspect_dataset(
     return inspections.inspect_dataset(dataset, mode, reading, progress, keep, executor)
 
 
+@one_error()
 def audit(
     dataset: Dataset | str | os.PathLike[str],
     mode: BreakMode | None = None,
@@ -211,6 +216,7 @@ def audit(
     executor: Executor | None = None,
     *,
     pictures: bool = False,
+    meta_only: bool = False,
 ) -> Audit:
     """Look for everything that can be wrong with a dataset, in one pass over its files.
 
@@ -229,11 +235,16 @@ def audit(
         What runs the pass over the data files; threads unless given.
     pictures : bool, optional
         Decode some pictures of every episode and look at them. Needs the extra ``video``.
+    meta_only : bool, optional
+        Read no frame: only metadata, the footers of data files and the indices of videos, for a verdict before a
+        download. Goes with neither `mode` nor `pictures`.
 
     Raises
     ------
     DatasetError
         Only with a `mode`: if the dataset is not whole.
+    ValueError
+        Where `meta_only` is asked for what it does not go with.
     MissingExtraError
         Only with `pictures`: if PyAV is not installed.
 
@@ -249,11 +260,16 @@ def audit(
     >>> [finding.check for finding in wrong.findings if finding.severity == "error"]
     ['overlap']
     """
+    if meta_only and (mode or pictures):
+        raise ValueError("meta_only reads no frame: it goes with neither a break mode nor pictures")
     root = dataset.root if isinstance(dataset, Dataset) else _folder(dataset)
     reading = reading or reading_for(root)
-    return audits.audit(root, mode, reading, scene_of(reading), progress, executor, pictures=pictures)
+    return audits.audit(
+        root, mode, reading, scene_of(reading), progress, executor, pictures=pictures, meta_only=meta_only
+    )
 
 
+@one_error()
 def audit_beliefs(
     dataset: Dataset | str | os.PathLike[str],
     reading: Reading | None = None,
@@ -290,6 +306,7 @@ def audit_beliefs(
     return beliefs.audit_beliefs(root, reading, scene_of(reading), progress, executor)
 
 
+@one_error()
 def write_replay(
     dataset: Dataset | str | os.PathLike[str],
     path: str | os.PathLike[str],
@@ -338,11 +355,13 @@ def write_replay(
     return replay.write_replay(inspection, Path(path), scene_of(inspection.reading))
 
 
+@one_error()
 def write_report(
     dataset: Dataset | str | os.PathLike[str],
     path: str | os.PathLike[str],
     reading: Reading | None = None,
     progress: Progress = no_progress,
+    executor: Executor | None = None,
     *,
     with_audit: bool = True,
 ) -> Report:
@@ -358,6 +377,8 @@ def write_report(
         What the columns mean; the one that ships and fits, unless given.
     progress : callable, optional
         Called with the number of frames done and the number of all, after each data file.
+    executor : Executor, optional
+        What runs the pass over the data files; threads unless given.
     with_audit : bool, optional
         Audit the dataset too, in the same pass over its files, and show what was found.
 
@@ -371,12 +392,13 @@ def write_report(
     reading = reading or choose_reading(dataset.schema)
     keep = reports.n_frames_in_report(dataset.schema, reading)
     if not with_audit:
-        inspection = inspect_dataset(dataset, reading=reading, progress=progress, keep=keep)
+        inspection = inspect_dataset(dataset, reading=reading, progress=progress, keep=keep, executor=executor)
         return reports.write_report(inspection, path, scene_of(inspection.reading))
-    inspection, found = both.inspect_and_audit(dataset, reading, scene_of(reading), progress, keep)
+    inspection, found = both.inspect_and_audit(dataset, reading, scene_of(reading), progress, keep, executor)
     return reports.write_report(inspection, path, scene_of(inspection.reading), found)
 
 
+@one_error()
 def panel(dataset: Dataset | str | os.PathLike[str], reading: Reading | None = None) -> Panel:
     """Show a dataset in a notebook, as `write_report` shows it: put the call last in a cell.
 
@@ -405,6 +427,7 @@ def panel(dataset: Dataset | str | os.PathLike[str], reading: Reading | None = N
     return reports.panel(inspection, scene_of(inspection.reading))
 
 
+@one_error()
 def infer_action(dataset: Dataset | str | os.PathLike[str], reading: Reading | None = None) -> tuple[DrivenColumn, ...]:
     """Say of every dimension of the action what it is, from the data alone.
 
@@ -434,7 +457,7 @@ def _folder(dataset: str | os.PathLike[str]) -> Path:
     try:
         return find_dataset(dataset)
     except DatasetError:
-        return Path(dataset)
+        return place_of(dataset)
 
 
 def _loaded(dataset: Dataset | str | os.PathLike[str]) -> Dataset:

@@ -7,6 +7,7 @@ import contextlib
 import functools
 import importlib.util
 import io
+import re
 import sys
 from collections.abc import Callable, Iterator
 from importlib.abc import MetaPathFinder
@@ -16,12 +17,14 @@ from typing import TYPE_CHECKING, NamedTuple, NoReturn
 import rich_click as click
 
 from z2r.data import MESSY, STANDIN, find_dataset
-from z2r.errors import DatasetError, MissingExtraError, count
-from z2r.format.store import exists, folder_name, outside, write
+from z2r.errors import DatasetError, MissingExtraError, count, one_error
+from z2r.format.store import exists, folder_name, is_far, outside, write
 from z2r.pusht.task import DEMO_NOISE, MAX_STEPS
 from z2r.reading.breaks import BREAK_MODES, BreakMode
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
     from rich.console import Console
 
     from z2r.audits.audit import Audit
@@ -35,6 +38,7 @@ _FORMATS = ("text", "json", "sarif", "junit", "github")
 _SMOKE_STEPS = 40
 _SHIPPED_EPISODES = 6
 _NO_REPLAY = "no replay, which needs rerun. In a clone of the course: pip install '.[view]'"
+_NO_REPLAY_FROM_FAR = "no replay, which would fetch pictures: --rerun writes one"
 _MODES_HELP = "What each MODE believes:\n\n" + "\n\n".join(
     f"- `{mode.name}`: {mode.assumption}" for mode in BREAK_MODES.values()
 )
@@ -47,7 +51,8 @@ def main() -> None:
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")  # a character that a terminal lacks is no reason to end
     try:
-        cli(prog_name="z2r")
+        with one_error():
+            cli(prog_name="z2r")
     except (DatasetError, MissingExtraError) as error:
         _stop(f"{error}")
     except OSError as error:  # what has no name and is written to is a disk or a pipe behind the standard output
@@ -72,15 +77,43 @@ def cli() -> None:
 def _names_a_dataset(command: Callable[..., None]) -> Callable[..., None]:
     """Take a dataset as an argument or by --dataset, and hand it to the command as its first argument."""
 
-    @click.argument("dataset", type=click.Path(path_type=Path), required=False)
-    @click.option("--dataset", "named", type=click.Path(path_type=Path), metavar="DATASET", help="The same as DATASET.")
+    @click.argument("dataset", type=click.Path(), required=False)
+    @click.option("--dataset", "named", type=click.Path(), metavar="DATASET", help="The same as DATASET.")
     @functools.wraps(command)
-    def with_dataset(dataset: Path | None, named: Path | None, **options: object) -> None:
+    def with_dataset(dataset: str | None, named: str | None, **options: object) -> None:
         if dataset and named and dataset != named:
             raise click.UsageError(f"found two datasets, {dataset} and --dataset {named}, expected one: leave one out")
         command(dataset or named, **options)
 
     return with_dataset
+
+
+def _runs_on(command: Callable[..., None]) -> Callable[..., None]:
+    """Take the address of a cluster by --ray, and hand the command what runs it there; else None."""
+    return click.option(
+        "--ray",
+        "executor",
+        is_flag=False,
+        flag_value="local",
+        callback=lambda context, parameter, address: context.with_resource(_ray(address)),
+        metavar="[ADDRESS]",
+        help="Run it on a Ray cluster: the one at ADDRESS, or one of this machine alone. Needs the extra `ray`.",
+    )(command)
+
+
+@contextlib.contextmanager
+def _ray(address: str | None) -> "Iterator[Executor | None]":
+    if address is None:
+        yield None
+        return
+    if address not in ("local", "auto") and not re.search(r":\d+$", address):
+        raise click.UsageError(
+            f"--ray: found {address}, expected an address such as ray://host:10001, or none; put DATASET before --ray"
+        )
+    from z2r.cluster import RayExecutor
+
+    with RayExecutor(address) as executor:
+        yield executor
 
 
 def _reads_as(command: Callable[..., None]) -> Callable[..., None]:
@@ -125,6 +158,7 @@ class _AuditCommand(click.RichCommand):
 
 @cli.command(epilog=_MODES_HELP)
 @_names_a_dataset
+@_runs_on
 @click.option(
     "--episodes",
     type=click.IntRange(min=1),
@@ -161,8 +195,9 @@ class _AuditCommand(click.RichCommand):
 @click.option("--salvage", is_flag=True, help="Of a dataset that was cut off, read the episodes that are whole.")
 @click.option("--json", "as_json", is_flag=True, help="Print `metrics.json` and nothing else.")
 def inspect(
-    dataset: Path | None,
+    dataset: str | None,
     *,
+    executor: "Executor | None",
     episodes: int | None,
     episode: int | None,
     seed: int | None,
@@ -178,7 +213,8 @@ def inspect(
 
     DATASET is the folder of a LeRobot v3 dataset, or the name of one that comes with the package: `standin` (read
     where none is named), `messy` or `arm`; or `user/name` as on the hub, where it was downloaded before: `z2r ls` lists
-    them. It is never written to, and nothing is fetched.
+    them; or a URL: `s3://bucket/dataset`, `gs://...`, `hf://datasets/user/name`, `file://...`. It is never written to,
+    and nothing is fetched unless a URL is named: then only what is needed, and no replay is written without `--rerun`.
 
     A dataset seldom stores success. It is reconstructed from the last stored frame of each episode, by a reading: which
     column means what, and what counts as reached.
@@ -190,19 +226,20 @@ def inspect(
     """
     from z2r.show.terminal import console, graded
 
-    with_replay = _can_replay(rerun, otherwise=not (smoke or as_json))
     wanted = _Wanted(episodes or _SHIPPED_EPISODES, seed or 0, _SMOKE_STEPS if smoke else MAX_STEPS)
     afresh = smoke or seed is not None
     if dataset and afresh:
         raise click.UsageError("--seed and --smoke record afresh: leave DATASET out, or leave them out")
-    root = _record_afresh(out, wanted, quiet=as_json) if afresh else find_dataset(dataset)
+    named = find_dataset(dataset)
+    with_replay = _can_replay(rerun, otherwise=not (smoke or as_json or is_far(named)))
+    root = _record_afresh(out, wanted, quiet=as_json) if afresh else named
     title = "recorded afresh" if afresh else folder_name(root)
     for name in ("metrics.json", "inspect.rrd"):
         outside(root, out / name)
     data, lost = _load(root, salvaged=salvage)
     screen = console(as_json)
     with _way_out(root, salvaged=salvage):
-        inspection = _inspect(_first(data, episodes), reading, mode, screen, episode, with_replay=with_replay)
+        inspection = _inspect(_first(data, episodes), reading, mode, screen, executor, episode, with_replay=with_replay)
     recording, no_verdict = _read_verdict(root)
     metrics = _write_metrics(inspection, title, recording, out, lost if salvage else None)
     _say_what_was_found(screen, inspection, title, lost if salvage else None, given=reading is not None)
@@ -214,7 +251,7 @@ def inspect(
     if with_replay:
         _write_replay(inspection, out / "inspect.rrd", screen, episode)
     elif rerun is None and not smoke:
-        screen.print(_NO_REPLAY, soft_wrap=True)
+        screen.print(_NO_REPLAY_FROM_FAR if is_far(root) else _NO_REPLAY, soft_wrap=True)
     if as_json:
         click.echo(metrics, nl=False)
 
@@ -224,6 +261,7 @@ def _inspect(
     reading: "Reading | None",
     mode: BreakMode | None,
     screen: "Console",
+    executor: "Executor | None",
     episode: int | None,
     *,
     with_replay: bool,
@@ -239,9 +277,8 @@ def _inspect(
     if mode:
         _say_what_is_wrong(screen, mode, dataset, reading)
     with progress("reading", "frames", screen.quiet) as move:
-        return inspect_dataset(
-            dataset, mode, reading, move, keep=MAX_REPLAY_FRAMES if with_replay else 0, episode=episode
-        )
+        keep = MAX_REPLAY_FRAMES if with_replay else 0
+        return inspect_dataset(dataset, mode, reading, move, keep, executor, episode)
 
 
 def _check_episode(episode: int | None, dataset: "Dataset") -> None:
@@ -398,6 +435,7 @@ def _write_replay(inspection: "Inspection", path: Path, screen: "Console", episo
 
 @cli.command()
 @_names_a_dataset
+@_runs_on
 @_reads_as
 @click.option(
     "--out",
@@ -408,7 +446,9 @@ def _write_replay(inspection: "Inspection", path: Path, screen: "Console", episo
     help="The page to write.",
 )
 @click.option("--audit/--no-audit", "with_audit", default=True, help="Show what is wrong with it. [default: audit]")
-def report(dataset: Path | None, *, reading: "Reading | None", out: Path, with_audit: bool) -> None:
+def report(
+    dataset: str | None, *, executor: "Executor | None", reading: "Reading | None", out: Path, with_audit: bool
+) -> None:
     """Write a page that shows a dataset: play an episode, step through it, read it wrong and watch what happens.
 
     DATASET is named as for `z2r inspect`. It is never written to.
@@ -426,7 +466,7 @@ def report(dataset: Path | None, *, reading: "Reading | None", out: Path, with_a
     _announce(screen, "report" if with_audit else "report --no-audit", data)
     outside(data.root, out)  # before the work, which takes a while
     with progress("reading", "frames", quiet=False) as move:
-        written = write_report(data, out, reading, move, with_audit=with_audit)
+        written = write_report(data, out, reading, move, executor, with_audit=with_audit)
     screen.print(f"wrote {written.path}: open it in a browser", soft_wrap=True)
     if written.left_out:
         screen.print(f"to keep the page small: {written.left_out}", soft_wrap=True)
@@ -434,6 +474,7 @@ def report(dataset: Path | None, *, reading: "Reading | None", out: Path, with_a
 
 @cli.command(cls=_AuditCommand)
 @_names_a_dataset
+@_runs_on
 @_reads_as
 @_break_option(
     "Audit it as it is read under one of the mistakes that `z2r inspect --help` names: is it noticed? `all` tables"
@@ -445,6 +486,11 @@ def report(dataset: Path | None, *, reading: "Reading | None", out: Path, with_a
     type=click.Path(path_type=Path, dir_okay=False),
     metavar="FILE",
     help="Write the numbers of the episodes that no error is about, as `lerobot-train --dataset.episodes` takes them.",
+)
+@click.option(
+    "--meta-only",
+    is_flag=True,
+    help="Read no frame, for a verdict before a download: metadata, the footers of data files, the indices of videos.",
 )
 @click.option("--pictures", is_flag=True, help="Decode some pictures of every episode, too. Needs the extra `video`.")
 @click.option(
@@ -463,11 +509,13 @@ def report(dataset: Path | None, *, reading: "Reading | None", out: Path, with_a
 )
 @click.option("--json", "form", flag_value="json", help="The same as `--format json`.")
 def audit(
-    dataset: Path | None,
+    dataset: str | None,
     *,
+    executor: "Executor | None",
     reading: "Reading | None",
     mode: BreakMode | str | None,
     keep: Path | None,
+    meta_only: bool,
     pictures: bool,
     baseline: Path | None,
     form: str,
@@ -487,6 +535,7 @@ def audit(
     - `z2r audit my_dataset && train my_dataset` trains on nothing that is broken
     - `z2r audit my_dataset --keep good.json`, and `lerobot-train --dataset.episodes="$(cat good.json)" ...` leaves the
       episodes out that have an error
+    - `z2r audit s3://bucket/my_dataset --meta-only` says what can be said before a download
     - `z2r audit my_dataset --pictures` also sees a camera that is black or frozen, or films another episode
     - `z2r audit my_dataset --json > accepted.json`, and `z2r audit my_dataset --baseline accepted.json` tells and
       counts only what is new since then
@@ -511,17 +560,19 @@ def audit(
         outside(root, keep)
     with contextlib.suppress(DatasetError):  # of a schema that cannot be read, the audit says why
         _fitting(reading, read_schema(root))
+    if meta_only and (mode or keep or pictures):
+        raise click.UsageError("--meta-only reads no frame: it goes with neither --break, --keep nor --pictures")
     if isinstance(mode, str):
         if keep or pictures:
             raise click.UsageError("--break all audits what is believed: it goes with neither --keep nor --pictures")
         if baseline or form not in ("text", "json"):
             raise click.UsageError("--break all audits what is believed: it goes with no --baseline, and --format json")
-        _audit_beliefs(root, reading, screen)
+        _audit_beliefs(root, reading, screen, executor)
         return
     if mode:
         _say_what_is_wrong(screen, mode, load(root), reading or reading_for(root))
     with progress("auditing", "data files, then episodes of cameras" if pictures else "data files", quiet) as move:
-        found = audit_dataset(root, mode, reading, move, pictures=pictures)
+        found = audit_dataset(root, mode, reading, move, executor, pictures=pictures, meta_only=meta_only)
     told = found.without(accepted)
     screen.print(audit_report(told, title), crop=False)
     if keep:
@@ -544,7 +595,7 @@ def _write_kept(found: "Audit", path: Path, screen: "Console", root: Path) -> No
         )
 
 
-def _audit_beliefs(root: Path, reading: "Reading | None", screen: "Console") -> None:
+def _audit_beliefs(root: Path, reading: "Reading | None", screen: "Console", executor: "Executor | None") -> None:
     """Say which wrong beliefs a dataset refutes; as JSON where the screen is quiet."""
     import msgspec
 
@@ -552,7 +603,7 @@ def _audit_beliefs(root: Path, reading: "Reading | None", screen: "Console") -> 
     from z2r.show.terminal import beliefs_report, progress
 
     with progress("auditing", "beliefs", screen.quiet) as move:
-        found = audit_beliefs(root, reading, move)
+        found = audit_beliefs(root, reading, move, executor)
     title = folder_name(root)
     screen.print(beliefs_report(found, title))
     if screen.quiet:
@@ -587,7 +638,7 @@ def explain(check: str | None) -> None:
     metavar="FILE.toml",
     help="The file to write. [default: the terminal]",
 )
-def reading(dataset: Path | None, *, out: Path | None) -> None:
+def reading(dataset: str | None, *, out: Path | None) -> None:
     """Draft a reading: what the columns of a dataset mean, as far as its data tells, and what is left to fill in.
 
     A reading says which column means what, and what counts as reached. Other commands take it with `--reading`.

@@ -1,6 +1,7 @@
 """What is wrong with a dataset: one record for who stops at the first fault and for who collects them all."""
 
-from collections.abc import Sequence
+import contextlib
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -75,6 +76,34 @@ class DatasetError(Exception):
 
     def __str__(self) -> str:
         return str(self.fault)
+
+
+class Unreachable(BaseException):
+    """A dataset that is far away and does not answer. It survives pickling.
+
+    That is no fault of the dataset. So it is no exception that an audit may collect among the faults that it finds, or
+    that anybody may catch to go on without a file: what is said of the rest would be wrong. `one_error` makes a
+    `DatasetError` of it, where there is nothing left to go on with.
+    """
+
+    def __init__(self, fault: Fault) -> None:
+        super().__init__(fault)
+        self.fault = fault
+
+
+@contextlib.contextmanager
+def one_error() -> Iterator[None]:
+    """Let a dataset that does not answer be a `DatasetError`, as whatever else is wrong with one.
+
+    Raises
+    ------
+    DatasetError
+        If it is `Unreachable`.
+    """
+    try:
+        yield
+    except Unreachable as lost:
+        raise DatasetError(lost.fault) from None
 
 
 class MissingExtraError(ImportError):

@@ -49,12 +49,13 @@ from z2r.audits.runs import FileSums, Runs, join_runs
 from z2r.audits.steps import moves, run_sums
 from z2r.audits.tasks import fold_tasks
 from z2r.check import SEVERITIES, Check, asked_of, parts_in
+from z2r.data.urls import place_of
 from z2r.errors import DatasetError, count, some
 from z2r.format.about import cameras_of
 from z2r.format.dataset import in_order
 from z2r.format.decoding import check_can_decode
 from z2r.format.schema import ACTION, MAX_SIGNAL_SIZE, STATE, Schema
-from z2r.format.tables import DataColumns, read_data_blocks, read_data_file
+from z2r.format.tables import DataColumns, read_data_blocks, read_data_file, read_data_footer
 from z2r.reading.breaks import BreakMode
 from z2r.reading.decode import can_decode, decode
 from z2r.reading.reading import Reading
@@ -200,6 +201,7 @@ def audit(
     executor: Executor | None = None,
     *,
     pictures: bool = False,
+    meta_only: bool = False,
 ) -> Audit:
     """Look for everything that can be wrong with the dataset in a folder: `z2r.audit`, with all of it handed down.
 
@@ -214,7 +216,7 @@ def audit(
     MissingExtraError
         Only with `pictures`: if PyAV is not installed.
     """
-    return audit_beside(root, None, mode, reading, scene, progress, executor, pictures=pictures)[0]
+    return audit_beside(root, None, mode, reading, scene, progress, executor, pictures=pictures, meta_only=meta_only)[0]
 
 
 def audit_beside[T](
@@ -227,12 +229,13 @@ def audit_beside[T](
     executor: Executor | None = None,
     *,
     pictures: bool = False,
+    meta_only: bool = False,
 ) -> tuple[Audit, list[T]]:
     """Audit a dataset as `audit` does, and hand what is read to somebody else beside it.
 
     Parameters
     ----------
-    root, mode, reading, scene, progress, executor, pictures
+    root, mode, reading, scene, progress, executor, pictures, meta_only
         As for `audit`.
     beside : callable or None
         Takes the path of a data file, relative to `root`, and what could be read of it; it survives pickling. What it
@@ -246,7 +249,7 @@ def audit_beside[T](
     """
     if pictures:
         check_can_decode()
-    root = Path(root)
+    root = place_of(root)
     try:
         claims = claims_under(mode, root, reading) if mode else read_claims(root, reading)
     except DatasetError as error:
@@ -261,7 +264,10 @@ def audit_beside[T](
         return _ended(findings, mode), []
     findings += ask(asked_of(Claims, PARTS), claims)
     files = file_claims(claims, under_mode=mode is not None)
-    sums, made = _fold_files(claims, files, scene, pictures, beside, progress, executor)
+    if meta_only:
+        sums, made = _fold_footers(claims, files, progress, executor), list[T]()
+    else:
+        sums, made = _fold_files(claims, files, scene, pictures, beside, progress, executor)
     findings += [finding for part in sums for finding in part.findings]
     runs = join_runs(claims, files, sums)
     findings += _ask_of_all(claims, files, sums, runs, scene)
@@ -271,9 +277,10 @@ def audit_beside[T](
     except Exception as error:
         of_cameras, unseen = [failed("the pictures", error)], ()
     findings += of_cameras
+    left_out = [_not_in_metadata(scene)] if meta_only else [*_not_checked(claims, sums, scene), *unseen]
     audited = Audit(
         *_in_order(findings, all_checks(scene)),
-        not_checked=(*_failed(findings), *_not_checked(claims, sums, scene), *unseen),
+        not_checked=(*_failed(findings), *left_out),
         n_episodes=len(claims.table.number),
         n_frames=sum(part.n_rows or 0 for part in sums),
         break_mode=mode.name if mode else None,
@@ -281,6 +288,36 @@ def audit_beside[T](
         readable=True,
     )
     return audited, made
+
+
+def _fold_footers(
+    claims: Claims, files: Sequence[FileClaims], progress: Progress, executor: Executor | None
+) -> list[FileSums]:
+    """Ask of each data file what its footer answers."""
+    sums = []
+    for part in in_order(partial(_fold_footer, claims.root, claims.schema), files, executor):
+        sums.append(part)
+        progress(len(sums), len(files))
+    return sums
+
+
+def _fold_footer(root: Path, schema: Schema, claims: FileClaims) -> FileSums:
+    try:
+        read = read_data_footer(root, schema, claims.path)
+    except Exception as error:
+        return FileSums(None, [failed(claims.path.as_posix(), error)])
+    said = answers(asked_of(FileColumns, PARTS), FileColumns(claims, schema, read))
+    return FileSums(read.n_rows, [_of_the_file(each.finding, claims) for each in said])
+
+
+def _not_in_metadata(scene: Scene | None) -> str:
+    """Name the checks that ask of more than metadata, the footers of data files and the indices of videos."""
+    subjects = (NoSchema, Stored, Claims, FileColumns, Footage)
+    parts = (*PARTS, *(scene.checks if scene else ()))
+    values_too = (values.FINITE, structure.COLUMN_TYPE)
+    asked = [part.check for part in parts if part.subject not in subjects or part.check in values_too]
+    names = ", ".join(dict.fromkeys(check.name for check in asked))
+    return f"what frames and pictures say: only metadata and the ends of files were read. All or a part of {names}"
 
 
 def _fold_files[T](

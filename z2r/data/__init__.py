@@ -1,7 +1,7 @@
 """Which datasets ship with the package, and which one does a name mean?
 
-A name may also be that of a folder, of anything in a dataset's folder, or of a dataset in a cache (`z2r.data.caches`).
-Those that ship:
+A name may also be that of a folder, of anything in a dataset's folder, or of a dataset in a cache (`z2r.data.caches`);
+or a URL (`z2r.data.urls`). Those that ship:
 
 - ``standin``: six demonstrations, all of which reached the target.
 - ``messy``: what people really record. Noise is twice as large, episodes end after 120 frames, and the seeds were
@@ -22,6 +22,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from z2r.data.caches import cached, cached_names, looks_like_a_name
+from z2r.data.urls import Url, place_of
 from z2r.errors import DatasetError, Fault
 
 STANDIN = Path(__file__).parent / "standin"
@@ -33,18 +34,19 @@ REPLAY_STILL = Path(__file__).parent / "replay_still.png"
 
 
 def find_dataset(dataset: str | os.PathLike[str] | None) -> Path:
-    """Return the folder that is meant: one that is there, or else a dataset that ships or is in a cache.
+    """Return the folder that is meant: one that is there, or else a dataset that ships or is in a cache; or a URL.
 
     Parameters
     ----------
     dataset : str, path or None
         A folder, or something in it, such as its ``meta/info.json``; the name of a dataset that ships; or one on the
-        hub, such as ``lerobot/pusht``, that was downloaded before. None means ``standin``.
+        hub, such as ``lerobot/pusht``, that was downloaded before; or a URL. None means ``standin``.
 
     Raises
     ------
     DatasetError
-        If there is none; it offers names that are nearly the same. Nothing is ever fetched.
+        If there is none; it offers names that are nearly the same. Nothing is fetched: what is at a URL is not looked
+        at here.
 
     Examples
     --------
@@ -53,7 +55,9 @@ def find_dataset(dataset: str | os.PathLike[str] | None) -> Path:
     """
     if dataset is None:
         return STANDIN
-    path = Path(dataset)
+    path = place_of(dataset)
+    if isinstance(path, Url):
+        return path
     if path.exists():
         return _whole(path)
     name = os.fspath(dataset)

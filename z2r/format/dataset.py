@@ -7,7 +7,7 @@ It is read whole or not at all: the first fault is an error. What can be read of
 import os
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import chain
@@ -18,7 +18,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from z2r.arrays import Array, Columns, Progress, no_progress
-from z2r.errors import DatasetError, printable
+from z2r.data.urls import place_of
+from z2r.errors import DatasetError, one_error, printable
 from z2r.format import parquet, rules
 from z2r.format.episodes import DataFile, EpisodeIndex, EpisodeTable, shard_paths
 from z2r.format.misread import Misread
@@ -74,6 +75,7 @@ class Dataset:
         end = int(episodes.to_index[-1])
         return replace(self, episodes=episodes, files=tuple(file for file in self.files if file.from_index < end))
 
+    @one_error()
     def read(self, feature: str) -> Array:
         """Read one feature of every frame.
 
@@ -103,7 +105,7 @@ def load(root: str | os.PathLike[str]) -> Dataset:
     DatasetError
         If it is no whole LeRobot v3 dataset.
     """
-    root = Path(root)
+    root = place_of(root)
     schema = read_schema(root)
     episodes, files = _read_episodes(root, schema)
     return Dataset(root, schema, episodes, files)
@@ -242,23 +244,40 @@ def in_order[A, T](function: Callable[[A], T], items: Sequence[A], executor: Exe
     items : sequence
         They are handed out as results are taken: what waits is bounded.
     executor : Executor, optional
-        At most four threads unless given. It is not shut down.
+        At most four threads unless given. It is not shut down. Where one of its workers is killed, the rest runs here.
     """
     if executor is None:
         with ThreadPoolExecutor(min(_MAX_THREADS, os.cpu_count() or 1)) as threads:
             yield from in_order(function, items, threads)
         return
-    waiting: deque[Future[T]] = deque()
+    waiting: deque[tuple[A, Future[T]]] = deque()
     try:
         for item in items:
-            waiting.append(executor.submit(function, item))
+            waiting.append((item, _submit(executor, function, item)))
             if len(waiting) == _MAX_WAITING:
-                yield waiting.popleft().result()
+                yield _result(function, *waiting.popleft())
         while waiting:
-            yield waiting.popleft().result()
+            yield _result(function, *waiting.popleft())
     finally:
-        for future in waiting:
+        for _, future in waiting:
             future.cancel()
+
+
+def _submit[A, T](executor: Executor, function: Callable[[A], T], item: A) -> Future[T]:
+    try:
+        return executor.submit(function, item)
+    except BrokenExecutor as error:
+        lost: Future[T] = Future()
+        lost.set_exception(error)
+        return lost
+
+
+def _result[A, T](function: Callable[[A], T], item: A, future: Future[T]) -> T:
+    """Wait for a result; where a worker was killed, and all that waited is lost with it, it is made here."""
+    try:
+        return future.result()
+    except BrokenExecutor:
+        return function(item)
 
 
 def _read_and_fold[T](

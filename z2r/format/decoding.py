@@ -26,6 +26,7 @@ HEIGHT, WIDTH = 48, 64
 _MAX_PIXELS = 2**26  # of a picture; a decoder refuses what is larger
 _AHEAD = 32  # pictures: at most so many are decoded before one that is shown earlier
 _MOMENT = 1e-6  # s
+_AT_ONCE = 2**21  # bytes of a video that is far away: a decoder asks for little, and then for what comes next
 _DECODERS = {"jpeg": "mjpeg"}  # of the formats whose decoder has another name
 _ROWS = 8  # of a picture, of which one is looked at in its full size
 
@@ -92,7 +93,7 @@ def decode_video(root: Path, path: Path, index: VideoIndex, wanted: Ints) -> Ite
     whole, reformatter = inside(root, path), VideoReformatter()
     try:
         # Left to itself, FFmpeg takes bytes for whatever they look like, a list of other files and addresses as well.
-        with open_mapped(whole) as bytes_of_it, open_container(bytes_of_it, format="mp4") as file:
+        with open_mapped(whole, _AT_ONCE) as bytes_of_it, open_container(bytes_of_it, format="mp4") as file:
             stream = file.streams.video[0]
             decoder = stream.codec_context
             decoder.options = {"max_pixels": str(_MAX_PIXELS)}
@@ -169,7 +170,7 @@ def cut_clip(root: Path, path: Path, index: VideoIndex, cut: Cut) -> bytes:
     whole, made = inside(root, path), io.BytesIO()
     try:
         with (
-            open_mapped(whole) as bytes_of_it,
+            open_mapped(whole, _AT_ONCE) as bytes_of_it,
             open_container(bytes_of_it, format="mp4") as file,
             open_container(made, "w", format="mp4", options={"fflags": "bitexact"}) as clip,
         ):

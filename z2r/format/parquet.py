@@ -8,6 +8,7 @@ import itertools
 import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 
 from z2r.arrays import Array, Bools, Ints
 from z2r.errors import DatasetError, Fault, some
-from z2r.format.store import check_no_pointer, fault_of, open_mapped, open_streamed
+from z2r.format.store import check_no_pointer, fault_of, fetch, is_far, open_mapped, open_streamed
 
 # The last one: pyarrow meets a damaged column name.
 _UNREADABLE = (pa.ArrowException, OSError, UnicodeDecodeError)
@@ -37,12 +38,30 @@ def open_parquet(path: Path) -> pq.ParquetFile:
         If the file is missing, a pointer of Git LFS, or no whole parquet file.
     """
     try:
-        return pq.ParquetFile(open_mapped(path))
+        return _opened(open_mapped(path))
     except (FileNotFoundError, PermissionError) as error:
         raise DatasetError(fault_of(error, path, "a parquet file")) from None
     except _UNREADABLE as error:
         check_no_pointer(path, "a parquet file")
         raise _unreadable(path, error) from error
+
+
+def _opened(source: pa.NativeFile, **options: Any) -> pq.ParquetFile:
+    file = pq.ParquetFile(source, **options)
+    file.source = source
+    return file
+
+
+def _fetch(file: pq.ParquetFile, columns: Sequence[str], groups: Sequence[int]) -> None:
+    """Fetch the columns of some row groups at once, of a file that is far away."""
+    names = tuple(f"{column}." for column in columns)  # a leaf is `observation.state.list.element`
+    leaves = [place for place, leaf in enumerate(file.schema) if f"{leaf.path}.".startswith(names)]
+    fetch(file.source, (_range(file.metadata.row_group(group).column(leaf)) for group in groups for leaf in leaves))
+
+
+def _range(chunk: pq.ColumnChunkMetaData) -> tuple[int, int]:
+    start = chunk.dictionary_page_offset if chunk.has_dictionary_page else chunk.data_page_offset
+    return start, start + chunk.total_compressed_size
 
 
 def read_columns(file: pq.ParquetFile, path: Path, columns: Sequence[str], n_rows: int | None = None) -> pa.Table:
@@ -71,8 +90,11 @@ def read_columns(file: pq.ParquetFile, path: Path, columns: Sequence[str], n_row
         or more than fit into memory: a small file can claim a billion.
     """
     claimed = _check_claims(file, path, columns, n_rows, _MAX_NUMBERS)[0]
+    groups = _leading_row_groups(file, n_rows)
     try:
-        table = file.read_row_groups(_leading_row_groups(file, n_rows), columns=list(columns))
+        if is_far(path):
+            _fetch(file, columns, groups)
+        table = file.read_row_groups(groups, columns=list(columns))
     except _UNREADABLE as error:
         raise _unreadable(path, error) from error
     _check_rows(path, len(table), claimed)
@@ -102,9 +124,11 @@ def read_blocks(
         return
     for groups in _blocks_of_row_groups(file, _leading_row_groups(file, n_rows), at_once):
         try:  # opened anew: what was read of the file before need not stay in memory
-            is_large = file.metadata.row_group(groups[0]).num_rows > at_once
-            opened, buffer = (open_streamed(path), _BUFFER) if is_large else (open_mapped(path), 0)
-            part = pq.ParquetFile(opened, metadata=file.metadata, buffer_size=buffer, pre_buffer=False)
+            far, is_large = is_far(path), file.metadata.row_group(groups[0]).num_rows > at_once
+            opened, buffer = (open_streamed(path), _BUFFER) if is_large and not far else (open_mapped(path), 0)
+            part = _opened(opened, metadata=file.metadata, buffer_size=buffer, pre_buffer=False)
+            if far:
+                _fetch(part, columns, groups)
             for batch in part.iter_batches(at_once, row_groups=groups, columns=list(columns)):
                 n_read += len(batch)
                 yield pa.Table.from_batches([batch])
@@ -172,6 +196,19 @@ def width(kind: pa.DataType) -> int | None:
     return None if _is_list(kind) else 1
 
 
+def dtype_of(kind: pa.DataType) -> str | None:
+    """Return which dtype of numpy the numbers in a value of an Arrow type have; None where they are no numbers.
+
+    >>> dtype_of(pa.list_(pa.float32(), 10)), dtype_of(pa.bool_()), dtype_of(pa.string())
+    ('float32', 'bool', None)
+    """
+    kind = kind.storage_type if isinstance(kind, pa.ExtensionType) else kind
+    if _is_list(kind):
+        return dtype_of(kind.value_type)
+    is_number = pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_boolean(kind)
+    return np.dtype(kind.to_pandas_dtype()).name if is_number else None
+
+
 def gap_rows(table: pa.Table, column: str) -> Bools:
     """Tell of each row whether a value, or a number in one, is missing: of numbers, or (nested) lists of numbers.
 
@@ -227,7 +264,7 @@ def text_sets(file: pq.ParquetFile, column: str, path: Path) -> Iterator[set[str
     """
     leaves = [leaf for leaf in (each.path for each in file.schema) if leaf.partition(".")[0] == column]
     try:
-        file = pq.ParquetFile(open_mapped(path), metadata=file.metadata, read_dictionary=leaves)
+        file = _opened(open_mapped(path), metadata=file.metadata, read_dictionary=leaves)
         for number in range(file.num_row_groups):  # pyarrow cannot put the dictionaries of several together
             for chunk in file.read_row_group(number, columns=[column], use_threads=False)[column].chunks:
                 yield from _text_sets(chunk, column, path)

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from z2r.arrays import Bools, Ints
+from z2r.data.urls import place_of
 from z2r.errors import DatasetError, Fault, some
 from z2r.format.dataset import Dataset, in_order
 from z2r.format.episodes import EPISODES_DIR, DataFile, EpisodeIndex, EpisodeTable
@@ -62,7 +63,7 @@ def salvage(root: str | os.PathLike[str], executor: Executor | None = None) -> S
     >>> z2r.salvage(z2r.STANDIN).left_out
     ()
     """
-    root = Path(root)
+    root = place_of(root)
     schema = read_schema(root)
     (table, paths, _, skipped), faults = read_episodes(root, schema)
     if not len(table.number):

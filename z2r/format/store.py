@@ -1,6 +1,7 @@
-"""Where do the bytes come from, and where do they go? The one door to the file system.
+"""Where do the bytes come from, and where do they go? The one door to the file system, and to what is stored elsewhere.
 
-No other module that reads a dataset opens a file, and none writes an output. A dataset is untrusted input: no path
+No other module that reads a dataset opens a file, and none writes an output. A local file is mapped into memory. What
+is at a URL is fetched (`z2r.format.remote`), and nothing is where none was named. A dataset is untrusted input: no path
 leaves its folder, no size is believed, nothing that may never end is opened, and it is never written to. An output is
 whole or not there: it is written under a hidden name beside its place, and renamed.
 """
@@ -10,10 +11,13 @@ import errno
 import hashlib
 import os
 import shutil
-from collections.abc import Iterator
+import sys
+from collections.abc import Iterable, Iterator
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING
 
+from z2r.data.urls import Url
 from z2r.errors import DatasetError, Fault
 
 if TYPE_CHECKING:
@@ -23,6 +27,7 @@ _AGAIN = "Copy or download the dataset again"
 _POINTER = b"version https://git-lfs"
 _MAX_POINTER_BYTES = 1024  # by the specification of Git LFS
 _RIGHTS = "Give yourself the right to read the dataset: chmod -R u+rX"
+_BLOCK = 2**23  # bytes
 _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
@@ -38,6 +43,8 @@ def inside(root: Path, relative: Path | str) -> Path:
         If the path, links followed, is outside, or is neither a file nor a folder.
     """
     path = root / relative
+    if isinstance(root, Url):
+        return _inside_url(root, path)
     try:
         real, folders = path.resolve(), _folders_of(root)
         is_device = real.exists() and not real.is_file() and not real.is_dir()
@@ -55,6 +62,13 @@ def inside(root: Path, relative: Path | str) -> Path:
     return path
 
 
+def _inside_url(root: Url, path: Path) -> Path:
+    """Object storage knows neither links nor devices, and ``..`` is a name there as any other: for some programs."""
+    if ".." in path.parts or not path.is_relative_to(root) or "\0" in str(path):
+        raise DatasetError(Fault(path, "", "a path that leads out of the dataset", "a file inside the dataset"))
+    return path
+
+
 def outside(root: Path, path: Path) -> Path:
     """Return where an output goes, links followed, and refuse a place that is a dataset's.
 
@@ -65,6 +79,8 @@ def outside(root: Path, path: Path) -> Path:
     """
     try:
         real = path.resolve()
+        if isinstance(root, Url):
+            return real
         mine = any(real.is_relative_to(folder) for folder in _folders_of(root)) or _is_hard_link_into(root, real)
     except (OSError, RuntimeError, ValueError) as error:
         raise DatasetError(
@@ -189,15 +205,20 @@ def folder_name(root: Path) -> str:
     >>> folder_name(Path("hub/datasets--lerobot--pusht/snapshots/0123abcd"))
     'lerobot/pusht'
     """
-    folder = root.resolve()  # the one that we stand in, ".", has a name too
+    if isinstance(root, Url) and root.scheme == "hf":
+        return "/".join(root.parts[2:])
+    folder = in_full(root)  # the one that we stand in, ".", has a name too
     if folder.parent.name == "snapshots" and (of_hub := folder.parents[1].name.split("--"))[0] == "datasets":
         return "/".join(of_hub[1:])
     return folder.name
 
 
 def in_full(path: Path) -> Path:
-    """Return the path from the top, links followed: what another program needs that starts elsewhere."""
-    return path.resolve()
+    """Return the path from the top, links followed: what another program needs that starts elsewhere.
+
+    Of what is at a URL, no path but a name: that of its copy, once somebody has downloaded it.
+    """
+    return Path(path.name) if isinstance(path, Url) else path.resolve()
 
 
 def check_folder(root: Path) -> None:
@@ -208,6 +229,8 @@ def check_folder(root: Path) -> None:
     DatasetError
         If there is none, or it cannot be looked into.
     """
+    if isinstance(root, Url):  # there are no folders, but files whose names begin alike
+        return
     expected = "the folder of a LeRobot dataset"
     try:
         there = root.is_dir()
@@ -235,14 +258,18 @@ def read_bytes(path: Path, max_bytes: int, expected: str, mend: str = _AGAIN) ->
         If it is missing, too large, a pointer of Git LFS, or cannot be read.
     """
     try:
-        size = path.stat().st_size
-        if size > max_bytes:
-            raise DatasetError(Fault(path, "", f"{size} bytes", f"at most {max_bytes}"))
-        raw = path.read_bytes()
+        raw = _far().read_far(path, max_bytes) if isinstance(path, Url) else _read_local(path, max_bytes)
     except OSError as error:
         raise DatasetError(fault_of(error, path, expected, mend)) from error
     check_no_pointer(path, expected)
     return raw
+
+
+def _read_local(path: Path, max_bytes: int) -> bytes:
+    size = path.stat().st_size
+    if size > max_bytes:
+        raise DatasetError(Fault(path, "", f"{size} bytes", f"at most {max_bytes}"))
+    return path.read_bytes()
 
 
 def digest(path: Path) -> bytes:
@@ -253,11 +280,14 @@ def digest(path: Path) -> bytes:
     DatasetError
         If it cannot be read.
     """
+    hashed = hashlib.sha256()
     try:
-        with path.open("rb") as file:
-            return hashlib.file_digest(file, "sha256").digest()
+        with open_mapped(path) as file:
+            while block := file.read(_BLOCK):
+                hashed.update(block)
     except OSError as error:
         raise DatasetError(fault_of(error, path, "a file that can be read")) from None
+    return hashed.digest()
 
 
 def check_no_pointer(path: Path, expected: str) -> None:
@@ -269,10 +299,13 @@ def check_no_pointer(path: Path, expected: str) -> None:
         If it is a pointer, or cannot be looked into.
     """
     try:
-        if path.stat().st_size > _MAX_POINTER_BYTES:
+        if isinstance(path, Url):
+            begins = _far().FarFile(path).read(len(_POINTER))
+        elif path.stat().st_size > _MAX_POINTER_BYTES:
             return
-        with path.open("rb") as file:
-            begins = file.read(len(_POINTER))
+        else:
+            with path.open("rb") as file:
+                begins = file.read(len(_POINTER))
     except OSError as error:
         raise DatasetError(fault_of(error, path, expected)) from None
     if begins == _POINTER:
@@ -280,8 +313,15 @@ def check_no_pointer(path: Path, expected: str) -> None:
         raise DatasetError(Fault(path, "", "a pointer of Git LFS", expected, mend))
 
 
-def open_mapped(path: Path) -> "pa.NativeFile":
+def open_mapped(path: Path, ahead: int = 0) -> "pa.NativeFile":
     """Open a file that is read in part; its bytes are read when they are used.
+
+    Parameters
+    ----------
+    path : Path
+        From `inside`.
+    ahead : int, optional
+        Of a file at a URL, how many bytes to fetch at least, whenever some are read.
 
     Raises
     ------
@@ -290,7 +330,35 @@ def open_mapped(path: Path) -> "pa.NativeFile":
     """
     import pyarrow as pa  # here: what reads a schema need not wait for it
 
-    return pa.memory_map(str(path))
+    return _far().FarFile(path, ahead) if isinstance(path, Url) else pa.memory_map(str(path))
+
+
+def is_far(path: Path) -> bool:
+    """Tell whether a file is at a URL, so that what is read of it should be fetched before."""
+    return isinstance(path, Url)
+
+
+def fetch(file: "pa.NativeFile", ranges: Iterable[tuple[int, int]]) -> None:
+    """Fetch what will be read of a file that is far away, from one byte on and up to another; they need not be apart.
+
+    Raises
+    ------
+    Unreachable
+        If it cannot be fetched.
+    """
+    file.fetch(ranges)
+
+
+def bytes_fetched() -> int:
+    """Return how many bytes of files at URLs this process has fetched."""
+    far = sys.modules.get("z2r.format.remote")
+    return far.bytes_fetched() if far else 0
+
+
+def _far() -> ModuleType:
+    from z2r.format import remote  # here: it costs some time, and few need it
+
+    return remote
 
 
 def open_streamed(path: Path) -> "pa.NativeFile":
@@ -315,7 +383,7 @@ def is_file(path: Path) -> bool:
         If nobody may look.
     """
     try:
-        return path.is_file()
+        return _far().is_far_file(path) if isinstance(path, Url) else path.is_file()
     except OSError as error:
         raise DatasetError(fault_of(error, path, "a file that can be read")) from None
 
@@ -351,6 +419,10 @@ def find(root: Path, folder: Path | str, pattern: str) -> list[Path]:
         If nobody may look, or the folder leads out of the dataset.
     """
     where = inside(root, folder)
+    if isinstance(where, Url):
+        name, deep = pattern.removeprefix("**/"), pattern.startswith("**/")
+        below = [(path.relative_to(root), len(path.relative_to(where).parts)) for path in _far().list_far(where)]
+        return [path for path, depth in below if path.match(name) and (deep or depth == len(Path(pattern).parts))]
     try:
         for each in (where, *where.glob(str(Path(pattern).parent))):
             if each.is_dir():

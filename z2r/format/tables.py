@@ -19,6 +19,7 @@ from z2r.format import rules
 from z2r.format.episodes import EpisodeTable, file_numbers, shard_paths
 from z2r.format.parquet import (
     NUMERIC,
+    dtype_of,
     gap_rows,
     integers,
     open_parquet,
@@ -281,7 +282,8 @@ class DataColumns(NamedTuple):
     dtypes : dict of str to str
         The dtype of each numeric feature that has the shape which the schema says.
     widths : dict of str to int
-        Of what is too wide to be read: how many numbers each row holds.
+        How many numbers each row holds, where that is the same in all rows: of what is too wide to be read, or of all
+        where nothing else is.
     unreadable : tuple of Fault
         The file.
     misshapen, missing, unfinite : dict of str to Fault
@@ -324,6 +326,25 @@ def read_data_file(root: Path, schema: Schema, path: Path) -> DataColumns:
         return _data_columns(schema, path, opened.schema_arrow, wanted, read_columns(opened, path, wanted), 0)
     except DatasetError as error:
         return _unreadable(root, error)
+
+
+def read_data_footer(root: Path, schema: Schema, path: Path) -> DataColumns:
+    """Read what the footer of a data file says of its columns, and no frame; `path` is relative to `root`."""
+    try:
+        opened = open_parquet(inside(root, path))
+    except DatasetError as error:
+        return _unreadable(root, error)
+    stored = opened.schema_arrow
+    kinds = {
+        name: stored.field(name).type for name, feature in schema.features.items() if _is_once(name, feature, stored)
+    }
+    dtypes = {name: leaf for name, kind in kinds.items() if (leaf := dtype_of(kind))}
+    widths = {name: size for name, kind in kinds.items() if (size := width(kind)) is not None}
+    return DataColumns(0, opened.metadata.num_rows, {}, tuple(stored.names), dtypes, widths, (), {}, {}, {})
+
+
+def _is_once(name: str, feature: Feature, stored: pa.Schema) -> bool:
+    return feature.is_numeric and stored.names.count(name) == 1
 
 
 def read_data_blocks(root: Path, schema: Schema, path: Path, least: int) -> Iterator[DataColumns]:

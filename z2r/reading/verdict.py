@@ -12,6 +12,7 @@ import msgspec
 import numpy as np
 
 from z2r.arrays import Bools
+from z2r.data.urls import Url, place_of
 from z2r.errors import DatasetError, Fault
 from z2r.format.episodes import EpisodeIndex
 from z2r.format.store import is_file, read_bytes, write
@@ -73,7 +74,8 @@ class Recording(msgspec.Struct, frozen=True):
 
 def verdict_path(root: str | os.PathLike[str]) -> Path:
     """Return where the verdict on the dataset at `root` is kept, whether it is there or not."""
-    root = Path(root).resolve()  # the name of `.` is that of the folder
+    root = place_of(root)
+    root = root if isinstance(root, Url) else root.resolve()  # the name of `.` is that of the folder
     return root.parent / f"{root.name}.verdict.json"
 
 

@@ -22,6 +22,7 @@ from z2r.check import SEVERITIES, Check, Severity
 from z2r.errors import count, printable, short, some
 from z2r.format.about import About, short_names
 from z2r.format.schema import Schema
+from z2r.format.store import bytes_fetched
 from z2r.reading.breaks import BreakMode
 from z2r.reading.inspection import Inspection
 from z2r.reading.stored import StoredSuccess
@@ -370,14 +371,29 @@ def console(quiet: bool = False) -> Console:
 
 @contextlib.contextmanager
 def progress(doing: str, unit: str, quiet: bool) -> Iterator[Callable[[int, int], None]]:
-    """Show a progress bar on stderr while something runs; lend the function that moves it: (done, total)."""
+    """Show a progress bar on stderr while something runs; lend the function that moves it: (done, total).
+
+    It also counts the bytes that are fetched, as soon as there are any: a large file moves nothing else for a while.
+    """
     screen = Console(stderr=True)
     if quiet or not screen.is_terminal:
         yield lambda done, total: None
         return
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+    from rich.filesize import decimal
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        ProgressColumn,
+        TextColumn,
+        TimeRemainingColumn,
+    )
 
-    columns = (TextColumn(doing), BarColumn(), MofNCompleteColumn(), TextColumn(unit), TimeRemainingColumn())
+    class Fetched(ProgressColumn):
+        def render(self, task: object) -> Text:
+            return Text(f"{decimal(n_bytes)} fetched" if (n_bytes := bytes_fetched()) else "")
+
+    columns = (TextColumn(doing), BarColumn(), MofNCompleteColumn(), TextColumn(unit), TimeRemainingColumn(), Fetched())
     with Progress(*columns, console=screen, transient=True) as bar:
         task = bar.add_task(doing, total=None)
         yield lambda done, total: bar.update(task, completed=done, total=total)
