@@ -6,6 +6,7 @@ those that come with other engines, such as ``Client.get_executor()`` of Dask an
 """
 
 import contextlib
+import logging
 import os
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
@@ -39,7 +40,11 @@ class RayExecutor(Executor):
         self._ray, self._is_own = ray, not ray.is_initialized()
         try:
             ray.init(
-                address, ignore_reinit_error=True, include_dashboard=False, log_to_driver=False, logging_level="ERROR"
+                address,
+                ignore_reinit_error=True,
+                include_dashboard=False,
+                log_to_driver=False,
+                logging_level=logging.ERROR,
             )
         except (ConnectionError, ValueError, RuntimeError) as error:
             said = f"no cluster ({str(error).splitlines()[0]})"

@@ -119,7 +119,7 @@ def _off(moments: NDArray[np.float32]) -> _Off:
     1996, section 5.1.3), so one inverse foretells all columns at once.
     """
     n, n_moments, _, n_columns = moments.shape
-    scaled = _scaled(moments.reshape(n, n_moments, -1).astype(np.float64))
+    scaled = _scaled(moments.reshape(n, n_moments, -1))
     k = scaled.shape[2]
     fold, good = np.arange(n) % _FOLDS, np.ones(n, dtype=bool)
     for _ in range(_ROUNDS):
@@ -131,7 +131,8 @@ def _off(moments: NDArray[np.float32]) -> _Off:
             others = sum(sums) - sums[one]
             covariance = others / max((good & (fold != one)).sum() * n_moments, 1)
             inverse = np.linalg.inv(covariance + _DOUBT * np.eye(k))
-            left = scaled[fold == one] @ (inverse / np.diag(inverse))[:, :n_columns]  # (n, n_moments, n_columns)
+            weights = (inverse / np.diag(inverse))[:, :n_columns].astype(np.float32)
+            left = scaled[fold == one] @ weights  # (n, n_moments, n_columns)
             far[fold == one] = np.sqrt(np.square(left).mean(axis=1))
         usual = np.median(far, axis=0)
         limit = np.maximum(np.maximum(_FAR, _FARTHER * usual), _FARTHEST * np.quantile(far, 0.8, axis=0))
@@ -143,9 +144,17 @@ def _off(moments: NDArray[np.float32]) -> _Off:
     return _Off(far, usual, wrong & (wrong.mean(axis=0) <= _FEW))
 
 
-def _scaled(moments: Floats) -> Floats:
+def _products(scaled: NDArray[np.float32]) -> Floats:
+    """Sum the products of all columns with each other, float64[k, k]."""
+    flat = scaled.reshape(-1, scaled.shape[-1])
+    products: Floats = (flat.T @ flat).astype(np.float64)
+    return products
+
+
+def _scaled(moments: NDArray[np.float32]) -> NDArray[np.float32]:
     """Return moments from their middle, in spreads; 0 where nothing moves."""
-    middle = np.median(moments.mean(axis=1), axis=0)
-    spread = np.sqrt(np.square(moments - middle).mean(axis=(0, 1)))  # (k,)
-    scaled: Floats = np.clip((moments - middle) / np.where(spread > 0, spread, 1), -_CLIP, _CLIP)
+    scaled = moments - np.median(moments.mean(axis=1), axis=0)
+    spread = np.sqrt(np.square(scaled).mean(axis=(0, 1), dtype=np.float64))  # (k,)
+    scaled /= np.where(spread > 0, spread, 1).astype(np.float32)
+    np.clip(scaled, -_CLIP, _CLIP, out=scaled)
     return scaled
