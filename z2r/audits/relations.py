@@ -153,7 +153,7 @@ def _products(scaled: NDArray[np.float32]) -> Floats:
 
 def _scaled(moments: NDArray[np.float32]) -> NDArray[np.float32]:
     """Return moments from their middle, in spreads; 0 where nothing moves."""
-    scaled = moments - np.median(moments.mean(axis=1), axis=0)
+    scaled: NDArray[np.float32] = moments - np.median(moments.mean(axis=1), axis=0)
     spread = np.sqrt(np.square(scaled).mean(axis=(0, 1), dtype=np.float64))  # (k,)
     scaled /= np.where(spread > 0, spread, 1).astype(np.float32)
     np.clip(scaled, -_CLIP, _CLIP, out=scaled)
