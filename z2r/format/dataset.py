@@ -23,7 +23,7 @@ from z2r.errors import DatasetError, one_error, printable
 from z2r.format import parquet, rules
 from z2r.format.episodes import DataFile, EpisodeIndex, EpisodeTable, shard_paths
 from z2r.format.misread import Misread
-from z2r.format.parquet import open_parquet, read_columns, vectors
+from z2r.format.parquet import count_values, open_parquet, read_columns, vectors
 from z2r.format.schema import ACTION, STATE, Schema, read_schema
 from z2r.format.store import folder_name, inside
 from z2r.format.tables import DataColumns, join_shards, read_shard
@@ -173,7 +173,7 @@ def read_frames(root: Path, schema: Schema, file: DataFile, features: Sequence[s
         If the file is missing or damaged, has another number of rows than the episode index gives it, lacks a feature,
         or has NaN or infinity in the state or the action.
     """
-    table = read_columns(_checked(root, file, features), file.path, features, n_rows)
+    table = read_columns(_checked(root, schema, file, features), file.path, features, n_rows)
     return _columns(root, schema, file, features, table, n_rows)
 
 
@@ -188,7 +188,7 @@ def read_blocks(
         As `read_frames`; rows are counted from the first of those frames on.
     """
     first = file.from_index
-    for table in parquet.read_blocks(_checked(root, file, features), file.path, features, n_rows):
+    for table in parquet.read_blocks(_checked(root, schema, file, features), file.path, features, n_rows):
         last = min(first + len(table), file.from_index + n_rows)
         try:
             frames = _columns(root, schema, file, features, table, last - first)
@@ -201,11 +201,13 @@ def read_blocks(
         first = last
 
 
-def _checked(root: Path, file: DataFile, features: Sequence[str]) -> pq.ParquetFile:
+def _checked(root: Path, schema: Schema, file: DataFile, features: Sequence[str]) -> pq.ParquetFile:
     """Open a data file that has the rows and the columns that it should have."""
     path, opened = file.path.relative_to(root), open_parquet(file.path)
     rules.raise_first(root, rules.file_rows(path, opened.metadata.num_rows, file.to_index - file.from_index))
     rules.raise_first(root, rules.missing_columns(path, features, opened.schema_arrow.names))
+    for name, n in count_values(opened, features).items():
+        rules.raise_first(root, rules.too_many(path, name, schema.features[name], n, opened.metadata.num_rows))
     return opened
 
 

@@ -27,6 +27,10 @@ _MAX_NUMBERS_OF_A_FILE = 2**32  # in blocks: what a footer claims beyond that is
 _BLOCK = 2**21  # numbers: 8 MiB of float32
 _BUFFER = 2**20  # bytes of a column of a row group that is larger than a block
 _MAX_BLOBS, _MAX_BLOB_BYTES = 64, 2**27  # at a time
+_MAX_NUMBERS_OF_A_ROW = 2**22
+_MAX_TEXT_BYTES = 2**26  # in one column of a row group
+_MAX_TEXT = 2**16  # characters
+_TEXT_BYTES_AT_ONCE = 2**24
 
 
 def open_parquet(path: Path) -> pq.ParquetFile:
@@ -149,18 +153,87 @@ def _check_claims(
         if present.count(column) > 1:
             raise DatasetError(Fault(path, column, f"{present.count(column)} columns of this name", "one"))
     claimed = file.metadata.num_rows if n_rows is None else min(n_rows, file.metadata.num_rows)
-    a_row = sum(width(stored.field(column).type) or 1 for column in columns)
-    if claimed * a_row > most:
-        raise DatasetError(
-            Fault(
-                path,
-                "rows",
-                f"{claimed:,} rows of {a_row:,} numbers",
-                f"at most {most:,} numbers in one file",
-                mend="LeRobot begins a new file every 100 MB: it is damaged, or wants to be split",
-            )
-        )
+    groups = _leading_row_groups(file, n_rows)
+    leaves = _leaves(stored)
+    n_values = [_n_values(file, leaves[column], groups) or claimed for column in columns]
+    a_row = sum(-(-each // max(claimed, 1)) for each in n_values)
+    mend = "LeRobot begins a new file every 100 MB: it is damaged, or wants to be split"
+    if claimed * a_row > most or a_row > _MAX_NUMBERS_OF_A_ROW:
+        found = f"{claimed:,} rows of {a_row:,} numbers"
+        expected = f"at most {most:,} numbers in one file, and {_MAX_NUMBERS_OF_A_ROW:,} in a row"
+        raise DatasetError(Fault(path, "rows", found, expected, mend))
+    for column in columns:
+        if (size := _text_bytes(file, leaves[column], groups)) > _MAX_TEXT_BYTES:
+            expected = f"at most {_MAX_TEXT_BYTES:,} in a row group"
+            raise DatasetError(Fault(path, column, f"{size:,} bytes of text", expected, mend))
     return claimed, a_row
+
+
+def count_values(file: pq.ParquetFile, columns: Sequence[str]) -> dict[str, int]:
+    """Return how many numbers the lists in some columns hold, by the footer; 0 for a column without lists.
+
+    Nothing is decoded: a few bytes may hold very many.
+    """
+    leaves, groups = _leaves(file.schema_arrow), range(file.num_row_groups)
+    return {column: _n_values(file, leaves[column], groups) for column in columns}
+
+
+def _n_values(file: pq.ParquetFile, leaves: range, groups: Sequence[int]) -> int:
+    """Count the values of lists in some row groups."""
+    metadata, lists = file.metadata, [leaf for leaf in leaves if file.schema.column(leaf).max_repetition_level]
+    return sum(metadata.row_group(group).column(leaf).num_values for leaf in lists for group in groups)
+
+
+def _text_bytes(file: pq.ParquetFile, leaves: range, groups: Sequence[int]) -> int:
+    """Say how much text a row group holds at most, each once where it knows that it repeats it; 0 if it holds none."""
+    texts = [leaf for leaf in leaves if file.schema.column(leaf).physical_type == "BYTE_ARRAY"]
+    chunks = (file.metadata.row_group(group).column(leaf) for leaf in texts for group in groups)
+    return max((chunk.total_uncompressed_size for chunk in chunks), default=0)
+
+
+def _leaves(stored: pa.Schema) -> dict[str, range]:
+    """Return which leaves of a file each column is: a name may hold dots, so that a path does not tell."""
+    leaves, first = {}, 0
+    for field in stored:
+        leaves[field.name] = range(first, first + _n_leaves(field.type))
+        first = leaves[field.name].stop
+    return leaves
+
+
+def _n_leaves(kind: pa.DataType) -> int:
+    kind = kind.storage_type if isinstance(kind, pa.ExtensionType) else kind
+    if pa.types.is_struct(kind) or _is_list(kind) or pa.types.is_map(kind):
+        return sum(_n_leaves(kind.field(place).type) for place in range(kind.num_fields))
+    return 1
+
+
+def check_readable(file: pq.ParquetFile, path: Path) -> None:
+    """Decode all columns of an open parquet file, some rows at a time, and keep nothing.
+
+    Raises
+    ------
+    DatasetError
+        As `read_columns`.
+    """
+    n_read, claimed = 0, file.metadata.num_rows
+    for batch in _batches(file, path, file.schema_arrow.names):
+        n_read += len(batch)
+    _check_rows(path, n_read, claimed)
+
+
+def _batches(file: pq.ParquetFile, path: Path, columns: Sequence[str]) -> Iterator[pa.RecordBatch]:
+    """Read columns, among them such of text, of so many rows at a time that they fit were each text the longest."""
+    claimed, a_row = _check_claims(file, path, columns, None, _MAX_NUMBERS_OF_A_FILE)
+    leaves, n_values = _leaves(file.schema_arrow), count_values(file, columns)
+    longest = (  # in each row, were each of its texts all that a row group holds
+        _text_bytes(file, leaves[column], range(file.num_row_groups)) * -(-max(n_values[column], 1) // max(claimed, 1))
+        for column in columns
+    )
+    a_text = max([*longest, 1])
+    try:
+        yield from file.iter_batches(max(1, min(_BLOCK // a_row, _TEXT_BYTES_AT_ONCE // a_text)), columns=list(columns))
+    except _UNREADABLE as error:
+        raise _unreadable(path, error) from error
 
 
 def _check_rows(path: Path, n_read: int, claimed: int) -> None:
@@ -241,15 +314,23 @@ def integers(table: pa.Table, column: str, path: Path) -> Ints:
     return np.from_dlpack(array).astype(np.int64, copy=False)
 
 
-def texts(table: pa.Table, column: str, path: Path) -> list[str]:
-    """Return a column of text.
+def texts(file: pq.ParquetFile, column: str, path: Path) -> list[str | None]:
+    """Return a column of text; where one is repeated, it is held once.
 
     Raises
     ------
     DatasetError
-        If a text is not UTF-8.
+        If a text is not UTF-8, or is no text that anybody wrote: a small file may repeat a long one very often.
     """
-    return _decoded(table.column(column), column, path)
+    known: dict[str, str] = {}
+    said: list[str | None] = []
+    for batch in _batches(file, path, [column]):
+        for text in _decoded(batch.column(0), column, path):
+            if text is not None and len(text) > _MAX_TEXT:
+                expected = f"at most {_MAX_TEXT:,}"
+                raise DatasetError(Fault(path, column, f"a text of {len(text):,} characters", expected))
+            said.append(text and known.setdefault(text, text))
+    return said
 
 
 def text_sets(file: pq.ParquetFile, column: str, path: Path) -> Iterator[set[str]]:

@@ -15,6 +15,7 @@ from z2r.errors import DatasetError, Fault
 from z2r.format.episodes import EPISODES_DIR, EpisodeTable
 from z2r.format.schema import INFO_PATH, Feature, Schema
 
+_SPARE = 2**21  # numbers
 _REBUILD = "The episode metadata was written or edited wrong: rebuild it from the columns of the frames"
 
 
@@ -164,6 +165,14 @@ def missing_columns(path: Path, features: Iterable[str], present: Sequence[str])
     for name in features:
         if name not in present:
             yield Fault(path, name, "no such column", "one for each feature in meta/info.json")
+
+
+def too_many(path: Path, name: str, feature: Feature, n_values: int, n_rows: int) -> Iterator[Fault]:
+    """A column does not hold very many more numbers than rows of its shape have; of a few more, a row is named."""
+    if n_values > n_rows * feature.size + _SPARE:
+        found = f"{n_values:,} numbers in {n_rows:,} rows"
+        expected = f"{feature.size:,} numbers in each row, as its shape {feature.shape} in meta/info.json says"
+        yield Fault(path, name, found, expected)
 
 
 def finite(path: Path, name: str, feature: Feature, values: Array, first: int = 0) -> Iterator[Fault]:

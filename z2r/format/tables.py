@@ -19,6 +19,8 @@ from z2r.format import rules
 from z2r.format.episodes import EpisodeTable, file_numbers, shard_paths
 from z2r.format.parquet import (
     NUMERIC,
+    check_readable,
+    count_values,
     dtype_of,
     gap_rows,
     integers,
@@ -46,7 +48,7 @@ STATISTICS = ("count", "min", "max", "mean", "std")
 QUANTILES = ("q01", "q10", "q50", "q90", "q99")
 """Of each feature, as LeRobot names them; the quantiles it estimates."""
 
-_MAX_STATS_BYTES = 64 * 2**20
+_MAX_STATS_BYTES = 2**24  # as Python's own numbers they take ten times as much
 
 
 class Read[T](NamedTuple):
@@ -141,7 +143,7 @@ def read_episodes(root: Path, schema: Schema) -> Read[Episodes]:
         try:
             parquet = open_parquet(path)
             stored = parquet.schema_arrow.names
-            read_columns(parquet, path, stored)
+            check_readable(parquet, path)
             if "tasks" not in stored:
                 faults.append(Fault(relative, "tasks", "no such column", "the tasks of each episode"))
             shards[relative] = _place_columns(parquet, path)
@@ -243,12 +245,13 @@ def _task_table(path: Path) -> tuple[Ints, list[str]]:
     parquet = open_parquet(path)
     stored = parquet.schema_arrow  # the text is in the index of a pandas table, whose name may be any
     names = [field.name for field in stored if pa.types.is_string(field.type) or pa.types.is_large_string(field.type)]
-    table = read_columns(parquet, path, ["task_index", *names])
-    tasks = integers(table, "task_index", path)
-    whole = next((name for name in names if not table.column(name).null_count), None)
-    if whole is None:
-        raise DatasetError(Fault(path, "task", "no such column, or gaps in it", "the text of each task"))
-    return tasks, texts(table, whole, path)
+    tasks = integers(read_columns(parquet, path, ["task_index"]), "task_index", path)
+    for name in names:
+        said = texts(parquet, name, path)
+        whole = [text for text in said if text is not None]
+        if len(whole) == len(said):
+            return tasks, whole
+    raise DatasetError(Fault(path, "task", "no such column, or gaps in it", "the text of each task"))
 
 
 def read_stats(root: Path) -> Read[dict[str, dict[str, Any]] | None]:
@@ -323,7 +326,10 @@ def read_data_file(root: Path, schema: Schema, path: Path) -> DataColumns:
     try:
         opened = open_parquet(inside(root, path))
         wanted = _wanted(schema, opened.schema_arrow)
-        return _data_columns(schema, path, opened.schema_arrow, wanted, read_columns(opened, path, wanted), 0)
+        large = _too_large(schema, path, opened)
+        wanted = [name for name in wanted if name not in large]
+        table = read_columns(opened, path, wanted)
+        return _also_misshapen(_data_columns(schema, path, opened.schema_arrow, wanted, table, 0), large)
     except DatasetError as error:
         return _unreadable(root, error)
 
@@ -367,24 +373,37 @@ def read_data_blocks(root: Path, schema: Schema, path: Path, least: int) -> Iter
     """
     try:
         opened = open_parquet(inside(root, path))
+        large = _too_large(schema, path, opened)
         seen: list[DataColumns] = []
-        yield from _of_whole_episodes(_until_broken(_blocks(opened, root, schema, path), seen), least)
+        blocks = _of_whole_episodes(_until_broken(_blocks(opened, root, schema, path, large), seen), least)
+        yield from (_also_misshapen(block, large) for block in blocks)
         found = _join_blocks(seen)
         if len(seen) > 1 and found.broken:
-            whole = _of_whole_episodes(_blocks(opened, root, schema, path, left_out=found.broken), least)
-            yield from (_saying_of(found, each) for each in whole)
+            whole = _of_whole_episodes(_blocks(opened, root, schema, path, found.broken | large.keys()), least)
+            yield from (_also_misshapen(_saying_of(found, each), large) for each in whole)
     except DatasetError as error:
         yield _unreadable(root, error)
 
 
 def _blocks(
-    opened: pq.ParquetFile, root: Path, schema: Schema, path: Path, left_out: Collection[str] = ()
+    opened: pq.ParquetFile, root: Path, schema: Schema, path: Path, left_out: Collection[str]
 ) -> Iterator[DataColumns]:
     stored, first = opened.schema_arrow, 0
     wanted = [name for name in _wanted(schema, stored) if name not in left_out]
     for table in read_blocks(opened, inside(root, path), wanted):
         yield _data_columns(schema, path, stored, wanted, table, first)
         first += len(table)
+
+
+def _too_large(schema: Schema, path: Path, opened: pq.ParquetFile) -> dict[str, Fault]:
+    """Name the columns that hold more numbers than their shape says, which are not decoded: few bytes may be many."""
+    n_rows, counts = opened.metadata.num_rows, count_values(opened, _wanted(schema, opened.schema_arrow))
+    faults = ((name, rules.too_many(path, name, schema.features[name], n, n_rows)) for name, n in counts.items())
+    return {name: fault for name, found in faults for fault in found}
+
+
+def _also_misshapen(read: DataColumns, faults: dict[str, Fault]) -> DataColumns:
+    return read._replace(misshapen=read.misshapen | faults)
 
 
 def _saying_of(file: DataColumns, block: DataColumns) -> DataColumns:

@@ -17,7 +17,7 @@ from z2r.errors import DatasetError, Fault
 from z2r.format.episodes import EpisodeIndex
 from z2r.format.store import is_file, read_bytes, write
 
-_MAX_BYTES = 2**28
+_MAX_BYTES = 2**26
 _MEND = "Record it again, or move it away: the dataset can be read without it"
 
 
