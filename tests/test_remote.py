@@ -133,6 +133,21 @@ def test_no_more_is_fetched_than_the_columns_hold(storage: Storage, tmp_path: Pa
     assert remote.bytes_fetched() >= storage.door.n_bytes
 
 
+def test_a_long_footer_and_many_row_groups_are_fetched_once(tmp_path: Path) -> None:
+    fsspec = pytest.importorskip("fsspec")
+    root = Path(shutil.copytree(z2r.STANDIN, tmp_path / "standin"))
+    [data] = root.glob("data/*/*.parquet")
+    pq.write_table(pq.read_table(data), data, row_group_size=3)
+    footer = pq.ParquetFile(data).metadata
+    fsspec.filesystem("memory").put(str(root), "/robots/grouped", recursive=True)
+    others = sum(path.stat().st_size for path in (root / "meta").rglob("*") if path.is_file())
+    remote.forget()
+    before = remote.bytes_fetched()
+    assert audited("memory://robots/grouped") == audited(root)
+    assert footer.serialized_size > 2**16
+    assert remote.bytes_fetched() - before - others <= 1.01 * data.stat().st_size
+
+
 def wide(root: Path) -> Path:
     """The shipped dataset with a column of noise that no signal is: a picture of 2,000 numbers in each frame."""
     shutil.copytree(z2r.STANDIN, root)
