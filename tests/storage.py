@@ -36,7 +36,6 @@ def free_ports(n: int) -> list[int]:
         sockets = [stack.enter_context(socket.socket()) for _ in range(n)]
         for each in sockets:
             each.bind(("127.0.0.1", 0))
-        # SeaweedFS takes the port 10,000 above as well.
         return [each.getsockname()[1] for each in sockets]
 
 
@@ -171,12 +170,12 @@ class Storage(NamedTuple):
 def serve(folder: Path) -> Iterator[Storage]:
     """Run a server that keeps its files in a folder, with the proxy in front of it."""
     (folder / "s3.json").write_text(json.dumps(_IDENTITIES))
-    s3, master, volume, filer = ports = free_ports(4)
-    options = {"s3.port": s3, "master.port": master, "volume.port": volume, "filer.port": filer}
-    grpc = {f"{name}.grpc": port for name, port in zip(options, free_ports(4), strict=True)}
+    names = ("s3.port", "master.port", "volume.port", "filer.port")
+    ports = dict(zip([*names, *(f"{name}.grpc" for name in names)], free_ports(8), strict=True))
+    ports |= {"s3.port.iceberg": 0, "s3.port.lance": 0}  # else two servers ask for the same
     command = [WEED, "server", f"-dir={folder}", "-ip=127.0.0.1", "-s3", f"-s3.config={folder / 's3.json'}"]
-    command += [f"-{name}={port}" for name, port in {**options, **grpc}.items()]
-    assert len(set(ports)) == 4
+    command += [f"-{name}={port}" for name, port in ports.items()]
+    s3 = ports["s3.port"]
     with (folder / "log").open("w") as log, subprocess.Popen(command, stdout=log, stderr=log, cwd=folder) as server:
         try:
             _wait_for(s3, server)

@@ -4,9 +4,11 @@ The server is real, and on the loopback; a proxy in front of it counts, and goes
 """
 
 import json
+import multiprocessing
 import pickle
 import shutil
 import time
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -105,6 +107,14 @@ def test_other_stores(scheme: str, tmp_path: Path) -> None:
         url = "memory://robots/standin"
     assert z2r.inspect_dataset(url).metrics("", 0) == z2r.inspect_dataset(root).metrics("", 0)
     assert audited(url) == audited(root)
+
+
+def test_other_processes_read_it_too(storage: Storage, urls: dict[str, str]) -> None:
+    with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as processes:
+        assert audited(urls["arm"], executor=processes) == audited(urls["arm"])
+        storage.door.fault = lambda number, path: Answer(403, b"") if "data/" in path else None
+        with pytest.raises(DatasetError, match="ACCESS_DENIED"):
+            z2r.audit(urls["arm"], executor=processes)
 
 
 # --- no more bytes
@@ -328,6 +338,21 @@ def test_a_verdict_before_a_download_reads_no_frame(storage: Storage, urls: dict
     [left_out] = found["not_checked"]
     assert all(f" {check}," in left_out for check in ("finite", "late", "stats", "camera-flat"))
     assert " totals," not in left_out
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_statistics_add_up_and_those_that_do_not_are_found(name: str, tmp_path: Path) -> None:
+    root = Path(shutil.copytree(find_dataset(name), tmp_path / name))
+    assert not [each for each in z2r.audit(root, meta_only=True).findings if each.check == "stats"]
+    path = root / "meta/stats.json"
+    stats = json.loads(path.read_text())
+    stats["action"]["std"][0] *= 8
+    stats["observation.state"]["count"][0] += 1
+    path.write_text(json.dumps(stats))
+    found = {each.field: each for each in z2r.audit(root, meta_only=True).findings if each.check == "stats"}
+    said = {(each.severity, each.field.split("[")[0]) for each in found.values()}
+    assert said == {("warning", "action.std"), ("note", "observation.state.count")}
+    assert all("which those of the episodes add up to" in each.expected for each in found.values())
 
 
 def test_a_verdict_before_a_download_fetches_no_frame(storage: Storage, tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ those that come with other engines, such as ``Client.get_executor()`` of Dask an
 """
 
 import contextlib
+import logging
 import os
 import socket
 from collections.abc import Callable
@@ -43,7 +44,11 @@ class RayExecutor(Executor):
         try:
             _knock(address)
             ray.init(
-                address, ignore_reinit_error=True, include_dashboard=False, log_to_driver=False, logging_level="ERROR"
+                address,
+                ignore_reinit_error=True,
+                include_dashboard=False,
+                log_to_driver=False,
+                logging_level=logging.ERROR,
             )
         except (OSError, ValueError, RuntimeError, ImportError) as error:
             said = f"no cluster at {address} ({str(error).splitlines()[0]})"
