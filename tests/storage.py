@@ -170,30 +170,42 @@ class Storage(NamedTuple):
 def serve(folder: Path) -> Iterator[Storage]:
     """Run a server that keeps its files in a folder, with the proxy in front of it."""
     (folder / "s3.json").write_text(json.dumps(_IDENTITIES))
-    names = ("s3.port", "master.port", "volume.port", "filer.port")
-    ports = dict(zip([*names, *(f"{name}.grpc" for name in names)], free_ports(8), strict=True))
-    ports |= {"s3.port.iceberg": 0, "s3.port.lance": 0}  # else two servers ask for the same
-    command = [WEED, "server", f"-dir={folder}", "-ip=127.0.0.1", "-s3", f"-s3.config={folder / 's3.json'}"]
-    command += [f"-{name}={port}" for name, port in ports.items()]
-    s3 = ports["s3.port"]
-    with (folder / "log").open("w") as log, subprocess.Popen(command, stdout=log, stderr=log, cwd=folder) as server:
-        try:
-            _wait_for(s3, server)
-            door = Door(s3)
-            threading.Thread(target=door.serve_forever, daemon=True).start()
-            yield Storage(door, s3)
-            door.shutdown()
-        finally:
-            server.kill()  # it would take half a minute to end, and nothing of it is kept
+    server, s3 = _started(folder)
+    try:
+        door = Door(s3)
+        threading.Thread(target=door.serve_forever, daemon=True).start()
+        yield Storage(door, s3)
+        door.shutdown()
+    finally:
+        server.kill()  # it would take half a minute to end, and nothing of it is kept
+        server.wait()
 
 
-def _wait_for(port: int, server: subprocess.Popen) -> None:
+def _started(folder: Path) -> tuple[subprocess.Popen, int]:
+    """Start a server at ports that were free; somebody else may take one of them first, so try again."""
+    for _ in range(5):
+        names = ("s3.port", "master.port", "volume.port", "filer.port")
+        ports = dict(zip([*names, *(f"{name}.grpc" for name in names)], free_ports(8), strict=True))
+        ports |= {"s3.port.iceberg": 0, "s3.port.lance": 0}  # else two servers ask for the same
+        command = [WEED, "server", f"-dir={folder}", "-ip=127.0.0.1", "-s3", f"-s3.config={folder / 's3.json'}"]
+        command += [f"-{name}={port}" for name, port in ports.items()]
+        with (folder / "log").open("a") as log:
+            server = subprocess.Popen(command, stdout=log, stderr=log, cwd=folder)
+        if _answers(ports["s3.port"], server):
+            return server, ports["s3.port"]
+        server.kill()
+        server.wait()
+    raise TimeoutError(f"the S3 server does not start: {(folder / 'log').read_text()[-2000:]}")
+
+
+def _answers(port: int, server: subprocess.Popen) -> bool:
     for _ in range(600):
-        assert server.poll() is None, "the S3 server has ended"
+        if server.poll() is not None:
+            return False
         with contextlib.suppress(OSError, http.client.HTTPException):
             connection = http.client.HTTPConnection("127.0.0.1", port, timeout=1)
             connection.request("GET", "/")
             connection.getresponse()
-            return
+            return True
         time.sleep(0.1)
-    raise TimeoutError("the S3 server does not answer")
+    return False

@@ -4,6 +4,8 @@ Shapes stand beside the algebra: ``float64[n_frames, 2]`` in a docstring, ``# (n
 """
 
 from collections.abc import Callable, Sequence
+from types import NoneType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,10 +28,86 @@ def no_progress(done: int, total: int) -> None:
     """Show no progress."""
 
 
-def join[T: np.generic](parts: Sequence[NDArray[T] | None]) -> NDArray[T] | None:
-    """Put the rows of all parts after each other; None where some part has none."""
-    known = [part for part in parts if part is not None]
-    return np.concatenate(known) if len(known) == len(parts) else None
+class Pile:
+    """Rows that are put after each other as they come: of arrays, of lists, or of named tuples and dicts of them.
+
+    What is None, or not there, in some part, is so in the whole. Each array is written once into memory that has room
+    for more, which costs nothing before it is used: many small parts that wait to be joined would be held twice.
+
+    Parameters
+    ----------
+    room : int
+        For about how many rows.
+    """
+
+    def __init__(self, room: int = 0) -> None:
+        self._room = room
+        self._n_parts = 0
+        self._first: Any = None
+        self._kind: Any = None
+        self._piles: dict[Any, Pile] = {}
+        self._rows: Any = None
+        self._n = 0
+
+    def add(self, part: Any) -> None:
+        """Put the rows of a part after the others."""
+        if not self._n_parts:
+            self._first = part  # which may stay the only one
+        else:
+            if self._n_parts == 1:
+                self._put(self._first)
+            self._first = None
+            self._put(part)
+        self._n_parts += 1
+
+    def _put(self, part: Any) -> None:
+        first, self._kind = self._kind is None, NoneType if NoneType in (self._kind, type(part)) else type(part)
+        if self._kind is NoneType:
+            self._rows, self._piles = None, {}
+        elif isinstance(part, np.ndarray):
+            self._add_array(part)
+        elif isinstance(part, list):
+            self._rows = [*part] if first else self._rows + part
+        else:
+            parts = part if isinstance(part, dict) else dict(enumerate(part))
+            piles = {name: Pile(self._room) for name in parts} if first else self._piles
+            self._piles = {name: pile for name, pile in piles.items() if name in parts}
+            for name, pile in self._piles.items():
+                pile.add(parts[name])
+
+    def _add_array(self, part: Array) -> None:
+        n, dtype = self._n + len(part), part.dtype if self._rows is None else np.result_type(self._rows, part)
+        if self._rows is None or n > len(self._rows) or dtype != self._rows.dtype:
+            rows = np.empty((max(self._room, n + n // 2), *part.shape[1:]), dtype)
+            if self._n:
+                rows[: self._n] = self._rows[: self._n]
+            self._rows = rows
+        self._rows[self._n : n] = part
+        self._n = n
+
+    @property
+    def whole(self) -> Any:
+        """All of them, as one part."""
+        if self._n_parts == 1:
+            return self._first
+        if isinstance(self._rows, np.ndarray):
+            return self._rows[: self._n]
+        if self._kind in (None, NoneType, list):
+            return self._rows
+        parts = {name: pile.whole for name, pile in self._piles.items()}
+        return parts if self._kind is dict else self._kind(*parts.values())
+
+
+def join_all(parts: Sequence[Any]) -> Any:
+    """Put the rows of all parts after each other, as a `Pile` does.
+
+    >>> join_all([{"x": np.array([1.0]), "y": None}, {"x": np.array([2.0, 3.0]), "y": np.array([4.0])}])
+    {'x': array([1., 2., 3.]), 'y': None}
+    """
+    pile = Pile()
+    for part in parts:
+        pile.add(part)
+    return pile.whole
 
 
 def reduce_parts[T: np.generic](function: np.ufunc, values: NDArray[T], starts: Ints, stops: Ints) -> NDArray[T]:

@@ -17,7 +17,7 @@ import msgspec
 import numpy as np
 from msgspec.structs import replace
 
-from z2r.arrays import Floats, Ints, Progress, no_progress
+from z2r.arrays import Floats, Ints, Pile, Progress, join_all, no_progress
 from z2r.audits import (
     cameras,
     index,
@@ -27,6 +27,7 @@ from z2r.audits import (
     pictures,
     quantiles,
     readiness,
+    relations,
     scales,
     stats,
     structure,
@@ -35,15 +36,16 @@ from z2r.audits import (
 )
 from z2r.audits.claims import Claims, NoSchema, Stored, claims_under, read_claims
 from z2r.audits.findings import AUDIT, Finding, Said, answers, ask, failed, together
-from z2r.audits.following import MIN_FRAMES, Pair, Usual, fold_following, join_following, pairs_of
+from z2r.audits.following import MIN_FRAMES, Pair, Usual, fold_following, pairs_of
 from z2r.audits.footage import FileImages, Footage, read_file_images, read_footage, sum_images, sum_places
 from z2r.audits.frames import HEAD_FRAMES, Before, FileClaims, FileColumns, FileFrames, file_claims
 from z2r.audits.glances import glance_at, join_filmed
 from z2r.audits.joints import Joints
-from z2r.audits.labels import Labels, fold_labels, join_labels
+from z2r.audits.labels import Labels, fold_labels, labels_of_episodes
 from z2r.audits.looks import Looks, looks_of_glances, looks_of_sizes
 from z2r.audits.readiness import fold_idle
-from z2r.audits.runs import FileSums, Runs, join_blocks, join_runs
+from z2r.audits.relations import keep_moments, moments_to_keep
+from z2r.audits.runs import FileSums, Runs, join_runs
 from z2r.audits.steps import moves, run_sums
 from z2r.audits.tasks import fold_tasks
 from z2r.check import SEVERITIES, Check, asked_of, parts_in
@@ -52,7 +54,7 @@ from z2r.errors import DatasetError, count, some
 from z2r.format.about import cameras_of
 from z2r.format.dataset import in_order
 from z2r.format.decoding import check_can_decode
-from z2r.format.schema import ACTION, MAX_SIGNAL_SIZE, Schema
+from z2r.format.schema import ACTION, MAX_SIGNAL_SIZE, STATE, Schema
 from z2r.format.tables import DataColumns, read_data_blocks, read_data_file, read_data_footer
 from z2r.reading.breaks import BreakMode
 from z2r.reading.decode import can_decode, decode
@@ -66,7 +68,20 @@ NOTHING_AUDITED = 3
 MAX_OF_A_CHECK = 5  # findings in detail: a fault that is in every file would hide the others
 
 PARTS = parts_in(
-    structure, index, tasks, values, joints, scales, motion, stats, quantiles, labels, readiness, cameras, pictures
+    structure,
+    index,
+    tasks,
+    values,
+    joints,
+    scales,
+    motion,
+    relations,
+    stats,
+    quantiles,
+    labels,
+    readiness,
+    cameras,
+    pictures,
 )
 """What every dataset is asked, in the order in which findings come."""
 
@@ -316,7 +331,8 @@ def _fold_files[T](
     executor: Executor | None,
 ) -> tuple[list[FileSums], list[T]]:
     schema, numbers, pairs = claims.schema, claims.stored.task_numbers, pairs_of(claims.schema, claims.reading)
-    fold = partial(_fold_block, claims.root, schema, numbers, claims.reading, pairs, scene, pictures)
+    n_moments = moments_to_keep(schema, len(claims.table.number))
+    fold = partial(_fold_block, claims.root, schema, numbers, claims.reading, pairs, scene, pictures, n_moments)
     work = partial(_read_and_fold, claims.root, schema, _wants_whole_files(claims, scene), fold, beside)
     sums, made = [], []
     for part, other in in_order(work, files, executor):
@@ -334,10 +350,23 @@ def _wants_whole_files(claims: Claims, scene: Scene | None) -> bool:
 
 
 class _Block(NamedTuple):
-    """What is kept of a block of a data file: sums, what is wrong with its rows, and what the next one builds on."""
+    """What is kept of a block of a data file.
+
+    Attributes
+    ----------
+    sums : FileSums
+        As for a whole file, but that rows and runs are counted on from those of the blocks before.
+    said : list of Said
+        What is wrong with its rows.
+    n_runs : int
+        How many runs of frames there are up to its end.
+    before, usual, reach
+        What the next block builds on: from `known_after`, `fold_following` and `fold_idle`.
+    """
 
     sums: FileSums
-    said: Sequence[Said] = ()
+    said: list[Said]
+    n_runs: int = 0
     before: Before | None = None
     usual: Sequence[Usual] = ()
     reach: Sequence[Floats] = ()
@@ -347,14 +376,12 @@ def _read_and_fold[T](
     root: Path,
     schema: Schema,
     whole: bool,
-    fold: Callable[[FileClaims, DataColumns, _Block | None], _Block],
+    fold: Callable[[FileClaims, DataColumns, _Block], _Block],
     beside: Callable[[Path, DataColumns], T] | None,
     claims: FileClaims,
 ) -> tuple[FileSums, list[T]]:
     """Read one data file, once for all who want to know of it, and in blocks where it is large."""
-    blocks = _read(root, schema, whole, claims.path)
-    parts: list[_Block] = []
-    made: list[T] = []
+    blocks, nothing = _read(root, schema, whole, claims.path), _Block(FileSums(None, []), [])
     while True:
         try:
             read = next(blocks, None)
@@ -363,11 +390,16 @@ def _read_and_fold[T](
         if read is None:
             break
         if read.first == 0:
-            parts, made = [], []
-        last = read._replace(first=0, n_rows=None if read.n_rows is None else read.first + read.n_rows, frames={})
+            block, pile, said, made = nothing, Pile(len(claims.numbers)), list[Said](), list[T]()
         made += [beside(claims.path, read)] if beside else []
-        parts.append(fold(claims, read, parts[-1] if parts else None))
-    return _fold_file(FileColumns(claims, schema, last), parts), made
+        block = fold(claims, read, block)
+        if block.sums.n_rows is None and block.sums.findings:
+            return block.sums, made
+        pile.add(block.sums._replace(n_rows=None, scene=None))
+        said += block.said
+        n_rows = None if read.n_rows is None else read.first + read.n_rows
+        file = FileColumns(claims, schema, read._replace(first=0, n_rows=n_rows, frames={}))
+    return _with_findings(pile.whole._replace(scene=block.sums.scene), file, said), made
 
 
 def _read(root: Path, schema: Schema, whole: bool, path: Path) -> Iterator[DataColumns]:
@@ -377,14 +409,11 @@ def _read(root: Path, schema: Schema, whole: bool, path: Path) -> Iterator[DataC
         yield from read_data_blocks(root, schema, path, HEAD_FRAMES)
 
 
-def _fold_file(file: FileColumns, blocks: Sequence[_Block]) -> FileSums:
-    """Ask of one data file all that there is to ask, and keep what the others are held against."""
-    failures = [block.sums for block in blocks if block.sums.n_rows is None and block.sums.findings]
-    if failures:
-        return failures[0]
-    said = [*answers(asked_of(FileColumns, PARTS), file), *together(each for block in blocks for each in block.said)]
-    sums = join_blocks([block.sums for block in blocks])
-    return sums._replace(findings=[*(_of_the_file(each.finding, file.claims) for each in said), *sums.findings])
+def _with_findings(sums: FileSums, file: FileColumns, said: Sequence[Said]) -> FileSums:
+    """Ask of a whole data file what there is to ask, and put together what was said of its rows."""
+    said = [*answers(asked_of(FileColumns, PARTS), file), *together(said)]
+    findings = [*(_of_the_file(each.finding, file.claims) for each in said), *sums.findings]
+    return sums._replace(n_rows=file.read.n_rows, findings=findings)
 
 
 def _fold_block(
@@ -395,12 +424,12 @@ def _fold_block(
     pairs: Sequence[Pair],
     scene: Scene | None,
     pictures: bool,
+    n_moments: int,
     claims: FileClaims,
     read: DataColumns,
-    last: _Block | None,
+    last: _Block,
 ) -> _Block:
     """Ask of the rows of a block all that there is to ask, and keep what others are held against."""
-    last = last or _Block(FileSums(None, []))
     try:
         frames = FileFrames(claims, schema, tasks, claims.taken(read), last.before)
         said = [*answers(asked_of(FileFrames, PARTS), frames)]
@@ -409,14 +438,16 @@ def _fold_block(
         images = read_file_images(root, frames)
         findings = [*ask(asked_of(FileImages, PARTS), images)]
         number, starts, signals = frames.counts.get("episode_index"), frames.run_starts, frames.signals
-        sums = {name: run_sums(signal, starts, schema.fps) for name, signal in signals.items()}
+        marked = {STATE: schema.fps}
+        sums = {name: run_sums(signal, starts, marked.get(name)) for name, signal in signals.items()}
         stats = {name: stats for name, (stats, _) in sums.items()}
+        task_pairs = fold_tasks(frames)
         following, usual = fold_following(pairs, signals, starts, frames.head, last.usual)
         idle, reach = fold_idle(frames, stats, last.reach)
         kept = FileSums(
             n_rows=frames.read.n_rows,
             findings=findings,
-            starts=starts,
+            starts=read.first + starts,
             numbers=None if number is None else number[starts],
             stats=stats,
             steps={name: steps for name, (_, steps) in sums.items() if moves(name)},
@@ -424,13 +455,14 @@ def _fold_block(
             labels=fold_labels(frames, reading),
             scene=_fold_scene(scene, frames, reading, findings),
             idle=idle,
-            tasks=fold_tasks(frames),
+            tasks=None if task_pairs is None else task_pairs + np.array([last.n_runs, 0]),
             images=sum_images(images),
             places=sum_places(frames) if pictures else None,
+            moments=keep_moments(schema, signals, starts, n_moments) if n_moments and signals else None,
         )
-        return _Block(kept, said, index.known_after(frames), usual, reach)
+        return _Block(kept, said, last.n_runs + len(starts), index.known_after(frames), usual, reach)
     except Exception as error:
-        return _Block(FileSums(None, [failed(claims.path.as_posix(), error)]))
+        return _Block(FileSums(None, [failed(claims.path.as_posix(), error)]), [])
 
 
 def _of_the_file(finding: Finding, claims: FileClaims) -> Finding:
@@ -457,12 +489,14 @@ def _ask_of_all(
     if runs:
         yield from ask(asked_of(Runs, PARTS), runs)
         said = [part for number in runs.read if (part := sums[number].labels)]
-        yield from ask(asked_of(Labels, PARTS), join_labels(claims.schema, claims.reading, runs.number, said))
+        yield from ask(
+            asked_of(Labels, PARTS), labels_of_episodes(claims.schema, claims.reading, runs.number, join_all(said))
+        )
         following = [each for number in runs.read if (each := sums[number].following)]
         if len(following) == len(runs.read):
             pairs = pairs_of(claims.schema, claims.reading)
             ranges = runs.spans(ACTION)[[pair.dim for pair in pairs]]
-            joints_of_all = Joints(pairs, runs.number, join_following(following), ranges)
+            joints_of_all = Joints(pairs, runs.number, join_all(following), ranges)
             yield from ask(asked_of(Joints, PARTS), joints_of_all)
     if scene and claims.reading and _has_scene(sums):
         folded = [(file.path, part.scene) for file, part in zip(files, sums, strict=True) if part.n_rows]

@@ -1,12 +1,13 @@
 """How does every joint follow its command? Summed up for each run of frames, so that no file stays in memory.
 
-A dimension of the action is held against the column that it drives, by a reading or by its name, as a place to be in or
-as a change to make, some frames later or earlier. Each data file is folded into a few numbers for every run of
+A dimension of the action is held against the column that it drives, by a reading or by their names, as a place to be
+in or as a change to make, some frames later or earlier. Each data file is folded into a few numbers for every run of
 frames and every such pair (`Following`); `z2r.audits.joints` asks what they say together. What is usual in a file is
 told by its first runs (`Usual`), so that no later one has to wait for those that come after it.
 """
 
-from collections.abc import Iterator, Sequence
+import re
+from collections.abc import Collection, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -32,6 +33,11 @@ _ROUNDING = 1e-12  # of a mean square: a variance that is less is none
 _POOR = 0.9  # explained: below, another column may explain more
 
 _LAGS = ("lag", "least", "most")
+
+
+# Parts of a name that say of a command that it is one, as of `w_cmd` or `goal.x`, and of what sort: `delta_x` or `vx`.
+_COMMAND = {"cmd", "command", "target", "goal", "des", "desired", "ref"}
+_MOTION = {"d", "delta", "v", "vel", "velocity"}
 
 
 class Pair(NamedTuple):
@@ -99,7 +105,9 @@ class Following(NamedTuple):
 def pairs_of(schema: Schema, reading: Reading | None) -> tuple[Pair, ...]:
     """Return each dimension of the action with the column of the state that it drives, as far as that is known.
 
-    A reading says so, or else their names are the same, or else neither has names and both have as many dimensions.
+    A reading says so, or else their names are the same, but for what says that one is a command, or a step or velocity
+    of the other; or else neither has names and both have as many dimensions. What a name promises is held against the
+    data: a column that does not follow is not judged.
 
     Examples
     --------
@@ -109,9 +117,12 @@ def pairs_of(schema: Schema, reading: Reading | None) -> tuple[Pair, ...]:
     """
     places = [(joint.action[1], *joint.state) for joint in joints_of(schema, reading)]
     features = schema.signals()
-    if not places and ACTION in features and STATE in features:
+    if ACTION in features and STATE in features:
         action, state = features[ACTION], features[STATE]
-        if action.size == state.size and not action.dim_names and not state.dim_names:
+        if not (reading and reading.action):
+            taken = {dim for dim, *_ in places}, {column for _, feature, column in places if feature == STATE}
+            places += [(dim, STATE, column) for dim, column in _kin(action.dim_names, state.dim_names, *taken)]
+        if not places and action.size == state.size and not action.dim_names and not state.dim_names:
             places = [(dim, STATE, dim) for dim in range(action.size)]
     return tuple(
         Pair(
@@ -124,6 +135,32 @@ def pairs_of(schema: Schema, reading: Reading | None) -> tuple[Pair, ...]:
         for dim, feature, column in places
         if feature in features
     )
+
+
+def _kin(
+    commands: Sequence[str], columns: Sequence[str], named: Collection[int], taken: Collection[int]
+) -> Iterator[tuple[int, int]]:
+    """Pair commands and columns whose names differ by a word such as ``cmd`` or ``d``, if one column alone fits.
+
+    Examples
+    --------
+    >>> [*_kin(["hand_vx", "w_cmd", "y"], ["hand_x", "y", "w"], {2}, {1})]
+    [(0, 0), (1, 2)]
+    """
+    stems = [_stem(name) for name in columns]
+    for dim, command in enumerate(commands):
+        said = _stem(command)
+        kin = [column for column, stem in enumerate(stems) if stem in (said, _without_motion(said))]
+        if dim not in named and len(kin) == 1 and kin[0] not in taken:
+            yield dim, kin[0]
+
+
+def _stem(name: str) -> list[str]:
+    return [part for part in re.split("[^a-z0-9]+", name.lower()) if part not in _COMMAND]
+
+
+def _without_motion(stem: list[str]) -> list[str]:
+    return [re.sub("^[dv](?=[xyz]$)", "", part) for part in stem if part not in _MOTION]
 
 
 class Usual(NamedTuple):
@@ -184,11 +221,6 @@ def fold_following(
     parts, now = zip(*folded, strict=True)
     each = {name: np.stack([part[name] for part in parts], axis=1) for name in Following._fields if name != "n"}
     return Following((stops - starts).astype(np.float64), **each), now
-
-
-def join_following(parts: Sequence[Following]) -> Following:
-    """Put the runs of all files after each other."""
-    return Following(*(np.concatenate(each) for each in zip(*parts, strict=True)))
 
 
 class _Lag(NamedTuple):

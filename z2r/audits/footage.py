@@ -277,15 +277,6 @@ def sum_images(images: FileImages) -> dict[str, ImageSums]:
     }
 
 
-def join_images(parts: Sequence[dict[str, ImageSums]]) -> dict[str, ImageSums]:
-    """Put the runs of all files after each other, for features that can be read in all of them."""
-    shared = [name for name in parts[0] if all(name in part for part in parts)] if parts else []
-    return {
-        name: ImageSums(*(np.concatenate(column) for column in zip(*(part[name] for part in parts), strict=True)))
-        for name in shared
-    }
-
-
 def _is_image(frames: FileFrames, name: str) -> bool:
     feature = frames.schema.features.get(name)
     return feature is not None and feature.dtype == "image"

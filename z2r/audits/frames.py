@@ -1,6 +1,6 @@
 """What is read of one data file, and what is kept of it? All that the checks need, and nothing else stays in memory."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -71,6 +71,10 @@ class FileColumns(NamedTuple):
     claims: FileClaims
     schema: Schema
     read: DataColumns
+
+    def in_order(self, faults: Mapping[str, Fault]) -> list[Fault]:
+        """List faults of columns in the order of the features, whichever was seen first."""
+        return [faults[name] for name in self.schema.features if name in faults]
 
 
 class Before(NamedTuple):
@@ -219,11 +223,6 @@ class RunStats(NamedTuple):
         squares = (self.squares + weight * np.square(self.mean - mean)).sum(axis=0, keepdims=True)
         high, step, spike = (each.max(axis=0, keepdims=True) for each in (self.high, self.step, self.spike))
         return RunStats(n, self.low.min(axis=0, keepdims=True), high, mean, squares, step, spike)
-
-
-def joined(parts: Sequence[RunStats]) -> RunStats:
-    """Put the runs of all files after each other."""
-    return RunStats(**{name: np.concatenate([getattr(part, name) for part in parts]) for name in RunStats._fields})
 
 
 def file_claims(claims: Claims, *, under_mode: bool) -> list[FileClaims]:

@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from z2r.arrays import Array, Bools, Floats, Ints, Progress
-from z2r.audits.footage import Footage, ImageSums, VideoSums, join_images
+from z2r.arrays import Array, Bools, Floats, Ints, Progress, join_all
+from z2r.audits.footage import Footage, ImageSums, VideoSums
 from z2r.audits.frames import FileClaims
 from z2r.audits.runs import FileSums, Runs
 from z2r.errors import DatasetError, Fault
@@ -59,12 +59,11 @@ class Filmed(NamedTuple):
 
 def join_filmed(footage: Footage, runs: Runs, parts: Sequence[tuple[FileClaims, FileSums]]) -> Filmed:
     """Put what is kept of the data files that can be read after each other."""
-    places = [said.places for _, said in parts if said.places is not None]
     return Filmed(
         footage=footage,
         runs=runs,
-        images=join_images([said.images for _, said in parts]),
-        places=np.concatenate(places) if len(places) == len(parts) else None,
+        images=join_all([said.images for _, said in parts]),
+        places=join_all([said.places for _, said in parts]),
         files=dict(zip(runs.read, (file for file, _ in parts), strict=True)),
     )
 

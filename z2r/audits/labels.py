@@ -4,12 +4,12 @@ Each data file is folded into what its labels say of every run of frames (`FileL
 into episodes (`Labels`), of which the checks are asked.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
-from z2r.arrays import Array, Bools, Columns, Floats, Ints, join, reduce_parts
+from z2r.arrays import Array, Bools, Columns, Floats, Ints, reduce_parts
 from z2r.audits.frames import FileFrames
 from z2r.check import Answer, Check
 from z2r.errors import Fault
@@ -126,24 +126,12 @@ def fold_labels(frames: FileFrames, reading: Reading | None) -> FileLabels:
     )
 
 
-def join_file_labels(parts: Sequence[FileLabels]) -> FileLabels:
-    """Put the runs of all parts after each other; what is not there in one of them is not there."""
-    success, done = ([getattr(part, name) for part in parts] for name in ("success", "done"))
-    return FileLabels(
-        success=_join_flags(success),
-        done=_join_flags(done),
-        reward=join([part.reward for part in parts]),
-        levels=levels_of(np.concatenate([part.levels for part in parts])),
-        reached=join([part.reached for part in parts]),
-    )
-
-
-def join_labels(schema: Schema, reading: Reading | None, number: Ints, parts: Sequence[FileLabels]) -> Labels:
+def labels_of_episodes(schema: Schema, reading: Reading | None, number: Ints, runs: FileLabels) -> Labels:
     """Join the runs of all files, whose `episode_index` is `number`; an episode in several files becomes one row."""
     starts = np.flatnonzero(np.diff(number, prepend=number[0] - 1))
     ends = np.append(starts[1:], len(number)) - 1
-    runs = join_file_labels(parts)
     success, reward, reached = _of_episodes(runs.success, starts, ends), runs.reward, runs.reached
+    levels = levels_of(runs.levels)
     if reward is not None:
         reward = np.stack([np.maximum.reduceat(reward[:, 0], starts), reward[ends, 1]], axis=1)
     if reached is not None and reading is not None:
@@ -154,8 +142,8 @@ def join_labels(schema: Schema, reading: Reading | None, number: Ints, parts: Se
         success=success,
         done=_of_episodes(runs.done, starts, ends),
         reward=reward,
-        levels=runs.levels,
-        stored=_stored(schema, success, reward, runs.levels),
+        levels=levels,
+        stored=_stored(schema, success, reward, levels),
         reached=reached,
     )
 
@@ -269,13 +257,6 @@ def _reached(schema: Schema, reading: Reading | None, columns: Columns, rows: In
         return None
     ends = {name: values[rows.ravel()] for name, values in columns.items()}
     return in_tolerance(frame_errors(decode(ends, reading, schema)), reading).reshape(rows.shape)
-
-
-def _join_flags(parts: Sequence[Flag | None]) -> Flag | None:
-    known = [part for part in parts if part is not None]
-    if len(known) < len(parts):
-        return None
-    return Flag(*(np.concatenate(each) for each in zip(*known, strict=True)))
 
 
 def _of_episodes(runs: Flag | None, starts: Ints, ends: Ints) -> Flag | None:

@@ -8,7 +8,7 @@ import numpy as np
 from z2r.arrays import Bools, Floats, Ints
 from z2r.audits.following import MIN_FRAMES
 from z2r.audits.runs import Runs
-from z2r.audits.steps import NO_SKETCH, RunSteps, is_a_turn
+from z2r.audits.steps import NO_SKETCH, is_a_turn
 from z2r.audits.values import JUMP, quaternions
 from z2r.check import Answer, Check
 from z2r.errors import Fault, count
@@ -218,7 +218,7 @@ def episodes_begin_at_one_place(runs: Runs) -> Iterator[Answer]:
     if STATE not in runs.steps or len(runs.number) < _HOMES:
         return
     size = runs.claims.schema.features[STATE].size
-    first = runs.steps[STATE].marks[:, :size].copy()  # (n_runs, size)
+    first = _marks(runs, size)[:, 0]  # (n_runs, size)
     turns = [column for turn in quaternions(runs.claims.schema.features[STATE]) for column in turn]
     first[:, turns] = np.abs(first[:, turns])  # q and -q are one turn
     ranges, step = runs.spans(STATE), np.quantile(runs.stats[STATE].step, 0.9, axis=0)
@@ -308,7 +308,7 @@ def no_near_twins(runs: Runs) -> Iterator[Answer]:
     """Is a demonstration a copy of another one, cut, shifted by a frame, or with noise added?"""
     if STATE not in runs.steps or not 3 <= len(runs.number) <= MAX_COMPARED:
         return
-    distance, neighbour = _nearest(runs.steps[STATE], runs.claims.schema.features[STATE].size)
+    distance, neighbour = _nearest(_marks(runs, runs.claims.schema.features[STATE].size))
     known = np.isfinite(distance)
     if known.sum() < 3:
         return
@@ -345,9 +345,9 @@ def no_frames_are_shared(runs: Runs) -> Iterator[Answer]:
 def _shared(runs: Runs) -> tuple[Floats, Ints, Bools]:
     """Return of each run which share of its frames an earlier one has too, which one, and whether that is a copy."""
     each = np.arange(len(runs.number))
-    if STATE not in runs.steps:
+    sketch = runs.steps[STATE].sketch if STATE in runs.steps else None
+    if sketch is None:
         return np.zeros(len(each)), each, np.zeros(len(each), dtype=bool)
-    sketch = runs.steps[STATE].sketch
     firsts = np.empty(sketch.shape, dtype=np.int64)  # (n_runs, 8): the first run with the same hash
     for column, hashes in enumerate(sketch.T):
         _, first, where = np.unique(hashes, return_index=True, return_inverse=True)
@@ -358,9 +358,18 @@ def _shared(runs: Runs) -> tuple[Floats, Ints, Bools]:
     return shared, first, (n >= MIN_FRAMES) & (shared >= _SHARED) & ((shared < 1) | (n != n[first]))
 
 
-def _nearest(steps: RunSteps, size: int) -> tuple[Floats, Ints]:
-    """Return how far each demonstration is from the nearest other one, in spreads of its columns, and which that is."""
-    marks = steps.marks.reshape(len(steps.marks), -1, size)  # (n_runs, n_marks, size)
+def _marks(runs: Runs, size: int) -> Floats:
+    """Return some frames of the state of each run, float64[n_runs, n_marks, size]; the first of them is its first."""
+    marks = runs.steps[STATE].marks
+    return np.empty((0, 0, size)) if marks is None else marks.astype(np.float64).reshape(len(marks), -1, size)
+
+
+def _nearest(marks: Floats) -> tuple[Floats, Ints]:
+    """Return how far each demonstration is from the nearest other one, in spreads of its columns, and which that is.
+
+    `marks` are some frames of each, float64[n_runs, n_marks, size].
+    """
+    size = marks.shape[2]
     flat = marks.reshape(-1, size)
     n = np.maximum(np.isfinite(flat).sum(axis=0), 1)
     mean = np.nansum(flat, axis=0) / n

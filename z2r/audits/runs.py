@@ -4,15 +4,16 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from z2r.arrays import Floats, Ints, join
+from z2r.arrays import Floats, Ints, join_all
 from z2r.audits.claims import Claims
 from z2r.audits.findings import Finding
-from z2r.audits.following import Following, join_following
-from z2r.audits.footage import ImageSums, join_images
-from z2r.audits.frames import FileClaims, RunStats, joined
-from z2r.audits.labels import FileLabels, join_file_labels
-from z2r.audits.steps import RunSteps, join_steps
+from z2r.audits.following import Following
+from z2r.audits.footage import ImageSums
+from z2r.audits.frames import FileClaims, RunStats
+from z2r.audits.labels import FileLabels
+from z2r.audits.steps import RunSteps
 
 
 class FileSums(NamedTuple):
@@ -46,6 +47,8 @@ class FileSums(NamedTuple):
         Of each feature whose pictures stand in it.
     places : ndarray, float32[n_runs, 129, size], or None
         Where the robot is, from `sum_places`; only where pictures are decoded.
+    moments : ndarray, float32[n_runs, n_moments, 2, n_columns], or None
+        What all columns are at some moments, from `keep_moments`; None where that would be too much.
     """
 
     n_rows: int | None
@@ -61,6 +64,7 @@ class FileSums(NamedTuple):
     tasks: Ints | None = None
     images: dict[str, ImageSums] = {}  # noqa: RUF012
     places: Floats | None = None
+    moments: NDArray[np.float32] | None = None
 
 
 class Runs(NamedTuple):
@@ -80,7 +84,7 @@ class Runs(NamedTuple):
         Of each feature that could be read in all of these files.
     steps : dict of str to RunSteps
         Of those of them that were observed or done.
-    idle, tasks : as in `FileSums`
+    idle, tasks, moments : as in `FileSums`
         None where they are of some of these files.
     """
 
@@ -94,6 +98,7 @@ class Runs(NamedTuple):
     steps: dict[str, RunSteps]
     idle: Ints | None
     tasks: Ints | None
+    moments: NDArray[np.float32] | None
 
     @property
     def n_frames(self) -> Floats:
@@ -107,33 +112,18 @@ class Runs(NamedTuple):
         return span
 
 
-def join_blocks(blocks: Sequence[FileSums]) -> FileSums:
-    """Put what is kept of all blocks of one data file together, each of which has whole runs of frames."""
-    if len(blocks) == 1:
-        return blocks[0]
-    firsts = np.cumsum([0, *(block.n_rows or 0 for block in blocks)])
-    runs = np.cumsum([0, *(len(block.starts) for block in blocks)])
-    following = [block.following for block in blocks if block.following]
-    labels = [block.labels for block in blocks if block.labels]
-    tasks = [_shifted(block.tasks, int(first)) for first, block in zip(runs[:-1], blocks, strict=True)]
-    return FileSums(
-        n_rows=int(firsts[-1]),
-        findings=[finding for block in blocks for finding in block.findings],
-        starts=np.concatenate([first + block.starts for first, block in zip(firsts[:-1], blocks, strict=True)]),
-        numbers=join([block.numbers for block in blocks]),
-        stats={name: joined([block.stats[name] for block in blocks]) for name in blocks[0].stats},
-        steps={name: join_steps([block.steps[name] for block in blocks]) for name in blocks[0].steps},
-        following=join_following(following) if following else None,
-        labels=join_file_labels(labels) if labels else None,
-        idle=join([block.idle for block in blocks]),
-        tasks=join(tasks),
-        images=join_images([block.images for block in blocks]),
-        places=join([block.places for block in blocks]),
-    )
+def _joined_moments(parts: Sequence[FileSums]) -> NDArray[np.float32] | None:
+    """Put the moments of all parts after each other; None where they are of other columns."""
+    widths = {part.moments.shape[-1] for part in parts if part.moments is not None}
+    joined: NDArray[np.float32] | None = join_all([part.moments for part in parts]) if len(widths) == 1 else None
+    return joined
 
 
 def join_runs(claims: Claims, files: Sequence[FileClaims], sums: Sequence[FileSums]) -> Runs | None:
-    """Put the runs of all files that can be read after each other; None where some do not say what episode it is."""
+    """Put the runs of all files that can be read after each other; None where some do not say what episode it is.
+
+    Statistics and steps are taken out of `sums`: they would be held twice.
+    """
     read = [number for number, part in enumerate(sums) if part.n_rows]
     numbers = [sums[number].numbers for number in read]
     known = [each for each in numbers if each is not None]
@@ -151,10 +141,11 @@ def join_runs(claims: Claims, files: Sequence[FileClaims], sums: Sequence[FileSu
         stop=np.concatenate([base + np.append(part.starts[1:], part.n_rows or 0) for base, part in parts]),
         file_number=np.repeat(read, n_runs),
         read=read,
-        stats={name: joined([part.stats[name] for _, part in parts]) for name in shared},
-        steps={name: join_steps([part.steps[name] for _, part in parts]) for name in shared if name in moved},
-        idle=join([part.idle for _, part in parts]),
-        tasks=join([_shifted(part.tasks, int(first)) for first, (_, part) in zip(firsts, parts, strict=True)]),
+        stats={name: join_all([part.stats.pop(name) for _, part in parts]) for name in shared},
+        steps={name: join_all([part.steps.pop(name) for _, part in parts]) for name in shared if name in moved},
+        idle=join_all([part.idle for _, part in parts]),
+        tasks=join_all([_shifted(part.tasks, int(first)) for first, (_, part) in zip(firsts, parts, strict=True)]),
+        moments=_joined_moments([part for _, part in parts]),
     )
 
 

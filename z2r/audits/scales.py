@@ -9,7 +9,7 @@ from z2r.audits.frames import FileFrames
 from z2r.audits.joints import UNIT
 from z2r.audits.runs import Runs
 from z2r.check import Answer, Check
-from z2r.errors import Fault
+from z2r.errors import Fault, count
 from z2r.format.episodes import DATA_DIR
 from z2r.format.rules import Rows, episodes_of
 from z2r.format.schema import ACTION, STATE, column_label
@@ -23,13 +23,14 @@ _VELOCITY = "observation.velocity"
 _MIN_FRAMES = 20
 _SMOOTHED = 5  # frames
 _FOLLOWS, _BETTER = 0.8, 0.1  # correlation of a velocity with how fast a column moves, and more than with its own
+_LATE, _LOOK = 3, 10  # frames: how late it may be, and how far one looks
 _SAME_RATE = 1.5  # times too fast or too slow: a filter or a delay may be behind less
 
 
 @UNIT.of(Runs)
 def episodes_have_one_unit(runs: Runs) -> Iterator[Answer]:
     """Does a column go, in some episodes, through a known part of the range that it goes through in all the others?"""
-    if len(runs.number) < _MIN_EPISODES:
+    if len(runs.number) < _MIN_EPISODES or runs.n_frames.min() < _MIN_FRAMES:
         return
     for name in (each for each in (STATE, ACTION) if each in runs.steps and each in runs.stats):
         span, path = runs.stats[name].high - runs.stats[name].low, runs.steps[name].path
@@ -83,7 +84,10 @@ def velocities_are_those_of_their_columns(frames: FileFrames) -> Iterator[Answer
             said = [_smoothed(columns[_VELOCITY][a:b, dim : dim + 1].astype(np.float64)) for a, b in runs]
             rates = [_rate(velocity, moves) for velocity, moves in zip(said, motion, strict=True)]
             fits, factor = (np.array(each) for each in zip(*rates, strict=True))  # (n_runs, size)
-            yield from _of_rates(frames, dim, states.index(name), fits, factor, starts[long])
+            column = states.index(name)
+            yield from _of_rates(frames, dim, column, fits, factor, starts[long])
+            late = [_late(velocity[:, 0], moves[:, column]) for velocity, moves in zip(said, motion, strict=True)]
+            yield from _of_delays(frames, dim, column, np.array(late), starts[long])
 
 
 def _of_rates(frames: FileFrames, dim: int, column: int, fits: Floats, factor: Floats, starts: Ints) -> Iterator[Fault]:
@@ -105,6 +109,37 @@ def _of_rates(frames: FileFrames, dim: int, column: int, fits: Floats, factor: F
             mend = "Are columns exchanged, or is it in degrees where the state is in radians?"
             place, rows = f"{what} in episode {numbers[run]}", Rows(found, int(wrong.sum()))
             yield Fault(frames.path, place, rows, expected, mend, episodes_of(numbers, wrong))
+
+
+def _of_delays(frames: FileFrames, dim: int, column: int, late: Ints, starts: Ints) -> Iterator[Fault]:
+    wrong = np.abs(late) >= _LATE
+    if wrong.any():
+        run, numbers, features = int(wrong.argmax()), frames.episodes_at(starts), frames.schema.features
+        label, moved = column_label(_VELOCITY, features[_VELOCITY], dim), column_label(STATE, features[STATE], column)
+        when = "after" if late[run] > 0 else "before"
+        rows = Rows(f"{count(abs(int(late[run])), 'frame')} {when} {moved} moves", int(wrong.sum()))
+        mend = "Is it filtered, or of another time? A policy takes both for now"
+        place = f"the time of {label} in episode {numbers[run]}"
+        yield Fault(frames.path, place, rows, "when it does", mend, episodes_of(numbers, wrong))
+
+
+def _late(velocity: Floats, moves: Floats) -> int:
+    """Return how many frames a velocity is behind the motion that it fits best, if then far better; else 0.
+
+    Examples
+    --------
+    >>> motion = np.sin(np.arange(60) / 5)
+    >>> _late(np.roll(motion, 4)[8:], motion[8:])
+    4
+    """
+    ahead = np.arange(-_LOOK, _LOOK + 1)
+    inner = slice(_LOOK, len(moves) - _LOOK)
+    if len(moves) < 4 * _LOOK:
+        return 0
+    fits = [float(_rate(np.roll(velocity, -by)[inner, None], moves[inner, None])[0][0]) for by in ahead.tolist()]
+    best = int(np.argmax(fits))
+    surely = fits[best] >= _FOLLOWS and fits[best] - fits[_LOOK] >= _BETTER
+    return int(ahead[best]) if surely else 0
 
 
 def _smoothed(values: Floats) -> Floats:

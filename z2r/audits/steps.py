@@ -42,12 +42,13 @@ class RunSteps(NamedTuple):
         the frame to which it leaps; and how many frames it rested.
     repeated : ndarray, float64[n_runs, 1]
         How many frames repeat the one before, in all columns, between two that do not.
-    marks : ndarray, float64[n_runs, 12 * size]
-        Some frames, a quarter of a second apart: what tells a demonstration from another. NaN beyond its end.
-    sketch : ndarray, uint64[n_runs, 8]
+    marks : ndarray, float32 or float64[n_runs, 12 * size], or None
+        Some frames, a quarter of a second apart: what tells a demonstration from another. NaN beyond its end. Of the
+        state, and of nothing else.
+    sketch : ndarray, uint64[n_runs, 8], or None
         The least of eight hashes of its frames, each with the one before, in which at least half as many columns move
         as do at most: two runs have as many of them in common as frames, wherever these begin (Broder, "On the
-        resemblance and containment of documents", 1997). `NO_SKETCH` where there is no such frame.
+        resemblance and containment of documents", 1997). `NO_SKETCH` where there is no such frame. Of the state only.
     """
 
     at: Floats
@@ -64,8 +65,8 @@ class RunSteps(NamedTuple):
     stall_at: Floats
     stall_length: Floats
     repeated: Floats
-    marks: Floats
-    sketch: NDArray[np.uint64]
+    marks: Floats | None
+    sketch: NDArray[np.uint64] | None
 
 
 def moves(name: str) -> bool:
@@ -93,7 +94,7 @@ def is_a_turn(steps: Floats | float, spans: Floats | float) -> Bools:
     return a_turn
 
 
-def run_sums(values: Array, starts: Ints, fps: float) -> tuple[RunStats, RunSteps]:
+def run_sums(values: Array, starts: Ints, fps: float | None = None) -> tuple[RunStats, RunSteps]:
     """Sum up one feature for each run; a run begins at each of `starts` and ends where the next begins.
 
     Parameters
@@ -102,8 +103,8 @@ def run_sums(values: Array, starts: Ints, fps: float) -> tuple[RunStats, RunStep
         All finite; there is at least one row.
     starts : ndarray, int64[n_runs]
         The first of them is 0.
-    fps : float
-        Frames per second, by which `RunSteps.marks` are chosen.
+    fps : float, optional
+        Frames per second, by which `RunSteps.marks` are chosen; neither they nor a sketch are kept unless it is given.
     """
     count = np.diff(starts, append=len(values))
     n_moving, prints = np.zeros(len(values), dtype=np.int64), np.zeros(len(values), dtype=np.uint64)
@@ -114,7 +115,8 @@ def run_sums(values: Array, starts: Ints, fps: float) -> tuple[RunStats, RunStep
         change = change_in_runs(numbers, starts)
         size = np.abs(change)
         n_moving += size > 0
-        prints = prints * _MIXERS[0] + (numbers + 0.0).view(np.uint64)  # of 0 there are two, which differ in a bit
+        if fps is not None:
+            prints = prints * _MIXERS[0] + (numbers + 0.0).view(np.uint64)  # of 0 there are two, which differ in a bit
         stats.append(_column_stats(numbers, change, size, starts, count))
         steps.append(_column_steps(numbers, change, size, stats[-1]["step"], starts, count))
     return (
@@ -122,8 +124,8 @@ def run_sums(values: Array, starts: Ints, fps: float) -> tuple[RunStats, RunStep
         RunSteps(
             **_stacked(steps),
             repeated=_repeated(n_moving > 0, starts)[:, None],
-            marks=_marks(values, starts, fps),
-            sketch=_sketch(prints, n_moving, starts),
+            marks=None if fps is None else _marks(values, starts, fps),
+            sketch=None if fps is None else _sketch(prints, n_moving, starts),
         ),
     )
 
@@ -145,11 +147,6 @@ def count_in_runs(those: Bools, starts: Ints) -> Floats:
 def run_of(rows: Ints, starts: Ints) -> Ints:
     """Return the run that each of some rows is in, int64[n]."""
     return np.searchsorted(starts, rows, side="right") - 1
-
-
-def join_steps(parts: Sequence[RunSteps]) -> RunSteps:
-    """Put the runs of all files after each other."""
-    return RunSteps(*(np.concatenate(each) for each in zip(*parts, strict=True)))
 
 
 def _stacked(columns: Sequence[dict[str, Floats]]) -> dict[str, Floats]:
@@ -249,7 +246,8 @@ def _sketch(prints: NDArray[np.uint64], n_moving: Ints, starts: Ints) -> NDArray
 def _marks(values: Array, starts: Ints, fps: float) -> Floats:
     stops = np.append(starts[1:], len(values))
     rows = starts[:, None] + max(1, round(_MARK_EVERY * fps)) * np.arange(_MARKS)  # (n_runs, 12)
-    marks = values[np.minimum(rows, len(values) - 1)].astype(np.float64)  # (n_runs, 12, size)
+    numbers = np.result_type(values, np.float32)
+    marks = values[np.minimum(rows, len(values) - 1)].astype(numbers)  # (n_runs, 12, size)
     marks[rows >= stops[:, None]] = np.nan
     flat: Floats = marks.reshape(len(starts), -1)
     return flat

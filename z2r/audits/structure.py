@@ -159,7 +159,7 @@ def columns_have_their_shape(file: FileColumns) -> Iterator[Answer]:
         if width != size:
             expected = f"{size:,}, as its shape in meta/info.json says"
             yield Fault(file.claims.path, name, f"{width:,} numbers in each row", expected)
-    yield from file.read.misshapen.values()
+    yield from file.in_order(file.read.misshapen)
 
 
 @COLUMN_TYPE.of(FileColumns)

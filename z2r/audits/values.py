@@ -1,11 +1,12 @@
 """Are the values what a sensor gives? Summed up for each run of frames, so that no file stays in memory."""
 
+import hashlib
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from z2r.arrays import Bools, Ints
+from z2r.arrays import Bools, Floats, Ints
 from z2r.audits.frames import FileColumns, FileFrames, RunStats
 from z2r.audits.runs import Runs
 from z2r.check import Answer, Check
@@ -22,6 +23,9 @@ _FURTHER = 10  # times the step that is usual: no sensor of a moving robot was s
 _MIN_EPISODES = 5  # from fewer nothing can be said about what is usual
 _LONG = 40  # frames: a sensor may well stand still for less
 _NEARLY_ALL = 0.9  # of the episodes
+_ALWAYS, _SOMETIMES = 0.95, 0.75  # of the frames: what noise moves in all of them, and how much less is too little
+_OFTEN, _SELDOM = 0.1, 0.15  # the same of what moves in some of them
+_FEW = 0.3  # of the episodes
 
 
 FINITE = Check("finite", "there is no NaN, no infinity, and no gap", "error")
@@ -30,8 +34,8 @@ FINITE = Check("finite", "there is no NaN, no infinity, and no gap", "error")
 @FINITE.of(FileColumns)
 def finite(file: FileColumns) -> Iterator[Answer]:
     """Is every value a number?"""
-    yield from file.read.missing.values()
-    yield from file.read.unfinite.values()
+    yield from file.in_order(file.read.missing)
+    yield from file.in_order(file.read.unfinite)
 
 
 @Check("unit-circle", "sin² + cos² is 1 for every angle that is stored as (sin, cos)", "error").of(FileFrames)
@@ -117,6 +121,26 @@ def no_sensor_is_frozen(runs: Runs) -> Iterator[Answer]:
 
 
 @FROZEN.of(Runs)
+def no_other_sensor_stands(runs: Runs) -> Iterator[Answer]:
+    """Does a column beside the state stand in an episode for far more frames than in nearly all others?
+
+    What it measures may have rested: a note.
+    """
+    long = runs.n_frames >= _LONG
+    for name in (each for each in runs.steps if each not in (STATE, ACTION) and long.sum() >= _MIN_EPISODES):
+        share = runs.steps[name].moves / runs.n_frames[:, None]  # (n_runs, size)
+        usual, low = (np.quantile(share[long], each, axis=0) for each in (0.5, 0.25))
+        limit = np.where(usual >= _ALWAYS, _SOMETIMES * low, _SELDOM * low) * (usual > _OFTEN)
+        wrong = (share < limit) & long[:, None]
+        for column in np.flatnonzero(wrong.any(axis=0) & (wrong.mean(axis=0) <= _FEW)).tolist():
+            run = int(np.where(wrong[:, column], share[:, column], np.inf).argmin())
+            place = f"{name}{runs.claims.schema.features[name].at(column)} in episode {runs.number[run]}"
+            found = f"a value that moves in {share[run, column]:.0%} of the frames{and_more(wrong[:, column])}"
+            expected, named = f"in about {usual[column]:.0%}", episodes_of(runs.number, wrong[:, column])
+            yield "note", Fault(DATA_DIR, place, found, expected, "Was the sensor lost, or at rest?", named)
+
+
+@FROZEN.of(Runs)
 def no_sensor_is_dead(runs: Runs) -> Iterator[Answer]:
     """Does an observation stand still in all frames although the action of the same name moves it?"""
     if STATE not in runs.stats or ACTION not in runs.stats:
@@ -137,17 +161,21 @@ def twin(runs: Runs) -> Iterator[Answer]:
     if not runs.stats:
         return
     columns = [column.reshape(len(runs.number), -1) for stats in runs.stats.values() for column in stats]
-    rows = np.concatenate(columns, axis=1) + 0.0  # of 0 there are two, which differ in a bit
     first: dict[bytes, int] = {}
     moves = np.any([(stats.high > stats.low).any(axis=1) for stats in runs.stats.values()], axis=0)
     long = np.flatnonzero(moves & (next(iter(runs.stats.values())).n >= _LONG))
-    twins = [(run, same) for run in long.tolist() if (same := first.setdefault(rows[run].tobytes(), run)) != run]
+    twins = [(run, same) for run in long.tolist() if (same := first.setdefault(_print(columns, run), run)) != run]
     if twins:
         run, same = twins[0]
         found = f"episode {runs.number[same]} again, frame for frame{and_more(len(twins))}"
         mend = "It counts twice in training, and may stand on both sides of a split"
         named = tuple(runs.number[[run for run, _ in twins]].tolist())
         yield Fault(DATA_DIR, f"episode {runs.number[run]}", found, "every demonstration once", mend, named)
+
+
+def _print(columns: Sequence[Floats], run: int) -> bytes:
+    """Return the same bytes for the same numbers; of 0 there are two, which differ in a bit."""
+    return hashlib.sha256(np.concatenate([column[run] for column in columns]) + 0.0).digest()
 
 
 def unit_pairs(feature: Feature) -> list[tuple[int, int]]:

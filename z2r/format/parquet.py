@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from z2r.arrays import Array, Bools, Ints
 from z2r.errors import DatasetError, Fault, some
-from z2r.format.store import check_no_pointer, fault_of, fetch, is_far, open_mapped
+from z2r.format.store import check_no_pointer, fault_of, fetch, is_far, open_mapped, open_streamed
 
 # The last one: pyarrow meets a damaged column name.
 _UNREADABLE = (pa.ArrowException, OSError, UnicodeDecodeError)
@@ -25,6 +25,7 @@ NUMERIC = "numbers, one for each frame"
 _MAX_NUMBERS = 2**28  # at a time: 1 GiB of float32
 _MAX_NUMBERS_OF_A_FILE = 2**32  # in blocks: what a footer claims beyond that is no recording
 _BLOCK = 2**21  # numbers: 8 MiB of float32
+_BUFFER = 2**20  # bytes of a column of a row group that is larger than a block
 _MAX_BLOBS, _MAX_BLOB_BYTES = 64, 2**27  # at a time
 
 
@@ -37,7 +38,7 @@ def open_parquet(path: Path) -> pq.ParquetFile:
         If the file is missing, a pointer of Git LFS, or no whole parquet file.
     """
     try:
-        return _opened(path)
+        return _opened(open_mapped(path))
     except (FileNotFoundError, PermissionError) as error:
         raise DatasetError(fault_of(error, path, "a parquet file")) from None
     except _UNREADABLE as error:
@@ -45,8 +46,7 @@ def open_parquet(path: Path) -> pq.ParquetFile:
         raise _unreadable(path, error) from error
 
 
-def _opened(path: Path, **options: Any) -> pq.ParquetFile:
-    source = open_mapped(path)
+def _opened(source: pa.NativeFile, **options: Any) -> pq.ParquetFile:
     file = pq.ParquetFile(source, **options)
     file.source = source
     return file
@@ -123,9 +123,11 @@ def read_blocks(
         yield read_columns(file, path, columns, n_rows)
         return
     for groups in _blocks_of_row_groups(file, _leading_row_groups(file, n_rows), at_once):
-        try:  # mapped anew: what was read of the file before need not stay in memory
-            part = _opened(path, metadata=file.metadata)
-            if is_far(path):
+        try:  # opened anew: what was read of the file before need not stay in memory
+            far, is_large = is_far(path), file.metadata.row_group(groups[0]).num_rows > at_once
+            opened, buffer = (open_streamed(path), _BUFFER) if is_large and not far else (open_mapped(path), 0)
+            part = _opened(opened, metadata=file.metadata, buffer_size=buffer, pre_buffer=False)
+            if far:
                 _fetch(part, columns, groups)
             for batch in part.iter_batches(at_once, row_groups=groups, columns=list(columns)):
                 n_read += len(batch)
@@ -262,7 +264,7 @@ def text_sets(file: pq.ParquetFile, column: str, path: Path) -> Iterator[set[str
     """
     leaves = [leaf for leaf in (each.path for each in file.schema) if leaf.partition(".")[0] == column]
     try:
-        file = _opened(path, metadata=file.metadata, read_dictionary=leaves)
+        file = _opened(open_mapped(path), metadata=file.metadata, read_dictionary=leaves)
         for number in range(file.num_row_groups):  # pyarrow cannot put the dictionaries of several together
             for chunk in file.read_row_group(number, columns=[column], use_threads=False)[column].chunks:
                 yield from _text_sets(chunk, column, path)

@@ -361,6 +361,19 @@ def _far() -> ModuleType:
     return remote
 
 
+def open_streamed(path: Path) -> "pa.NativeFile":
+    """Open a file that is read from its beginning to its end: what was read of a mapped one would stay in memory.
+
+    Raises
+    ------
+    OSError
+        If it cannot be opened.
+    """
+    import pyarrow as pa  # here: what reads a schema need not wait for it
+
+    return pa.OSFile(str(path))
+
+
 def is_file(path: Path) -> bool:
     """Tell whether a file is there.
 

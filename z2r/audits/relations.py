@@ -1,0 +1,151 @@
+"""Does each column go with the others as it does in the other episodes? Nothing is declared, and no name is read.
+
+What a column is at a moment, and how it changes there, mostly follows from all others: the state from the command, an
+effort from the posture, a foot's contact from its leg. How it does, only the dataset itself can say: it is learned from
+the other episodes. Where a column of one episode is far from what it should be by that, something else is recorded.
+"""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from z2r.arrays import Bools, Columns, Floats, Ints
+from z2r.audits.runs import Runs
+from z2r.check import Answer, Check
+from z2r.errors import Fault, count
+from z2r.format.episodes import DATA_DIR
+from z2r.format.schema import Schema, column_label
+from z2r.reading.stored import episodes_named
+
+_MOST, _LEAST = 32, 8  # moments of an episode
+_NUMBERS = 2**22  # that are kept of a dataset, at most: about a tenth of a second, and 16 MiB
+_MIN_FRAMES = 20
+_MIN_EPISODES = 6  # from fewer nothing can be said about what is usual
+_FOLDS = 8  # of the episodes: each is foretold from the others
+_ROUNDS = 3  # until those that differ teach the others nothing
+_DOUBT = 1e-3  # of a variance
+_CLIP = 10  # spreads: so much an episode may teach at most
+_TELLS = 0.5  # spreads: what is usually farther off cannot be foretold
+_FAR, _FARTHER, _FARTHEST = 0.4, 4, 2  # spreads; times what is usual; times what four in five episodes stay below
+_FEW = 0.3  # of the episodes: of more, nobody knows which ones are right
+
+
+def moments_to_keep(schema: Schema, n_episodes: int) -> int:
+    """Return how many moments of each episode are kept, so that all of them are few enough; 0 where none are."""
+    n_columns = 2 * sum(feature.size for feature in schema.signals().values())
+    n = min(_MOST, _NUMBERS // max(n_columns * n_episodes, 1))
+    return n if n >= _LEAST and n_episodes >= _MIN_EPISODES else 0
+
+
+def keep_moments(schema: Schema, signals: Columns, starts: Ints, n_moments: int) -> NDArray[np.float32]:
+    """Return what all columns are at some moments of each run, and how they change there.
+
+    Parameters
+    ----------
+    schema : Schema
+        The features, whose order is that of the columns.
+    signals : dict of str to ndarray, (n_rows, size)
+        All numeric features.
+    starts : ndarray, int64[n_runs]
+        The first row of each run.
+    n_moments : int
+        Evenly through it.
+
+    Returns
+    -------
+    ndarray, float32[n_runs, n_moments, 2, n_columns]
+        NaN in runs of fewer than 20 frames.
+    """
+    columns = [column for name in schema.signals() if name in signals for column in signals[name].T]
+    n = np.diff(starts, append=len(columns[0]))
+    rows = starts[:, None] + (1 + np.linspace(0, 1, n_moments) * (n[:, None] - 3)).round().astype(np.int64)
+    long = n >= _MIN_FRAMES
+    rows[~long] = 1
+    moments = np.full((len(starts), n_moments, 2, len(columns)), np.nan, dtype=np.float32)
+    for place, column in enumerate(columns):
+        moments[long, :, 0, place] = column[rows[long]]
+        moments[long, :, 1, place] = column[rows[long] + 1] - column[rows[long] - 1]
+    return moments
+
+
+RELATION = Check("relation", "each column goes with the others as it does in the other episodes", "note")
+
+
+@RELATION.of(Runs)
+def columns_go_with_the_others(runs: Runs) -> Iterator[Answer]:
+    """Is a column of an episode far from what all others say that it should be?"""
+    if runs.moments is None:
+        return
+    labels = [
+        column_label(name, runs.claims.schema.features[name], column)
+        for name in runs.stats
+        for column in range(runs.claims.schema.features[name].size)
+    ]
+    told = np.flatnonzero(np.isfinite(runs.moments).all(axis=(1, 2, 3)))
+    if len(told) < _MIN_EPISODES or runs.moments.shape[3] != len(labels):
+        return
+    off = _off(runs.moments[told])
+    worst = np.where(off.wrong, off.far / np.maximum(off.usual, _DOUBT), 0).argmax(axis=1)
+    odd = off.wrong.any(axis=1)
+    for column in np.unique(worst[odd]).tolist():
+        rows = np.flatnonzero(odd & (worst == column))
+        row = int(rows[off.far[rows, column].argmax()])
+        others = int(off.wrong[row].sum()) - 1
+        more = f", as {count(others, 'more column')}" if others else ""
+        number = runs.number[told[rows]].tolist()
+        found = f"values {off.far[row, column]:.2f} spreads from what the other columns foretell{more}"
+        expected = f"about {off.usual[column]:.2f}, as in the other episodes"
+        mend = "Is one of them of another time, unit, sign or place, or did something else happen there? Look at it"
+        yield Fault(DATA_DIR, f"{labels[column]} in {episodes_named(number)}", found, expected, mend, tuple(number))
+
+
+class _Off(NamedTuple):
+    """How far off each column is in each episode, (n, n_columns), what is usual, (n_columns,), and where it is too far.
+
+    Distances are root mean squares, in spreads.
+    """
+
+    far: Floats
+    usual: Floats
+    wrong: Bools
+
+
+def _off(moments: NDArray[np.float32]) -> _Off:
+    """Foretell each column, (n, n_moments, 2, n_columns), from all else of its moment, as learned from other episodes.
+
+    The inverse of a covariance holds the regressions of each variable on all the others (Lauritzen, "Graphical Models",
+    1996, section 5.1.3), so one inverse foretells all columns at once.
+    """
+    n, n_moments, _, n_columns = moments.shape
+    scaled = _scaled(moments.reshape(n, n_moments, -1).astype(np.float64))
+    k = scaled.shape[2]
+    fold, good = np.arange(n) % _FOLDS, np.ones(n, dtype=bool)
+    for _ in range(_ROUNDS):
+        sums = [
+            np.einsum("nmi,nmj->ij", part, part) for part in (scaled[good & (fold == one)] for one in range(_FOLDS))
+        ]
+        far = np.empty((n, n_columns))
+        for one in range(_FOLDS):
+            others = sum(sums) - sums[one]
+            covariance = others / max((good & (fold != one)).sum() * n_moments, 1)
+            inverse = np.linalg.inv(covariance + _DOUBT * np.eye(k))
+            left = scaled[fold == one] @ (inverse / np.diag(inverse))[:, :n_columns]  # (n, n_moments, n_columns)
+            far[fold == one] = np.sqrt(np.square(left).mean(axis=1))
+        usual = np.median(far, axis=0)
+        limit = np.maximum(np.maximum(_FAR, _FARTHER * usual), _FARTHEST * np.quantile(far, 0.8, axis=0))
+        wrong = (far >= limit) & (usual <= _TELLS)
+        now = ~wrong.any(axis=1)
+        if (now == good).all() or now.mean() < 1 - _FEW:
+            break
+        good = now
+    return _Off(far, usual, wrong & (wrong.mean(axis=0) <= _FEW))
+
+
+def _scaled(moments: Floats) -> Floats:
+    """Return moments from their middle, in spreads; 0 where nothing moves."""
+    middle = np.median(moments.mean(axis=1), axis=0)
+    spread = np.sqrt(np.square(moments - middle).mean(axis=(0, 1)))  # (k,)
+    scaled: Floats = np.clip((moments - middle) / np.where(spread > 0, spread, 1), -_CLIP, _CLIP)
+    return scaled
