@@ -36,7 +36,6 @@ def free_ports(n: int) -> list[int]:
         sockets = [stack.enter_context(socket.socket()) for _ in range(n)]
         for each in sockets:
             each.bind(("127.0.0.1", 0))
-        # SeaweedFS takes the port 10,000 above as well.
         return [each.getsockname()[1] for each in sockets]
 
 
@@ -185,15 +184,15 @@ def serve(folder: Path) -> Iterator[Storage]:
 def _started(folder: Path) -> tuple[subprocess.Popen, int]:
     """Start a server at ports that were free; somebody else may take one of them first, so try again."""
     for _ in range(5):
-        s3, master, volume, filer = free_ports(4)
-        options = {"s3.port": s3, "master.port": master, "volume.port": volume, "filer.port": filer}
-        grpc = {f"{name}.grpc": port for name, port in zip(options, free_ports(4), strict=True)}
+        names = ("s3.port", "master.port", "volume.port", "filer.port")
+        ports = dict(zip([*names, *(f"{name}.grpc" for name in names)], free_ports(8), strict=True))
+        ports |= {"s3.port.iceberg": 0, "s3.port.lance": 0}  # else two servers ask for the same
         command = [WEED, "server", f"-dir={folder}", "-ip=127.0.0.1", "-s3", f"-s3.config={folder / 's3.json'}"]
-        command += [f"-{name}={port}" for name, port in {**options, **grpc}.items()]
+        command += [f"-{name}={port}" for name, port in ports.items()]
         with (folder / "log").open("a") as log:
             server = subprocess.Popen(command, stdout=log, stderr=log, cwd=folder)
-        if _answers(s3, server):
-            return server, s3
+        if _answers(ports["s3.port"], server):
+            return server, ports["s3.port"]
         server.kill()
         server.wait()
     raise TimeoutError(f"the S3 server does not start: {(folder / 'log').read_text()[-2000:]}")

@@ -184,6 +184,15 @@ def test_a_dataset_is_no_address_of_a_cluster(tmp_path: Path) -> None:
     assert "put DATASET before --ray" in in_one_line(refused)
 
 
+def test_nobody_at_an_address_is_an_error(tmp_path: Path) -> None:
+    pytest.importorskip("ray")
+    for address in ("127.0.0.1:1", "ray://127.0.0.1:1"):
+        nobody = run("audit", "messy", "--ray", address, cwd=tmp_path)
+        assert nobody.returncode == 2
+        assert nobody.stderr.startswith(f"z2r: --ray: found no cluster at {address} (")
+        assert nobody.stderr.count("\n") == 1
+
+
 def test_the_line_in_the_readme_runs_on_dask(many_files: Path, whole) -> None:
     distributed = pytest.importorskip("distributed")
     readme = (Path(z2r.__file__).parents[1] / "README.md").read_text()

@@ -4,9 +4,11 @@ The server is real, and on the loopback; a proxy in front of it counts, and goes
 """
 
 import json
+import multiprocessing
 import pickle
 import shutil
 import time
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -107,6 +109,14 @@ def test_other_stores(scheme: str, tmp_path: Path) -> None:
     assert audited(url) == audited(root)
 
 
+def test_other_processes_read_it_too(storage: Storage, urls: dict[str, str]) -> None:
+    with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as processes:
+        assert audited(urls["arm"], executor=processes) == audited(urls["arm"])
+        storage.door.fault = lambda number, path: Answer(403, b"") if "data/" in path else None
+        with pytest.raises(DatasetError, match="ACCESS_DENIED"):
+            z2r.audit(urls["arm"], executor=processes)
+
+
 # --- no more bytes
 
 
@@ -131,6 +141,21 @@ def test_no_more_is_fetched_than_the_columns_hold(storage: Storage, tmp_path: Pa
     assert needed < data.stat().st_size / 2
     assert needed < storage.door.n_bytes - others < 1.05 * needed + 2**16
     assert remote.bytes_fetched() >= storage.door.n_bytes
+
+
+def test_a_long_footer_and_many_row_groups_are_fetched_once(tmp_path: Path) -> None:
+    fsspec = pytest.importorskip("fsspec")
+    root = Path(shutil.copytree(z2r.STANDIN, tmp_path / "standin"))
+    [data] = root.glob("data/*/*.parquet")
+    pq.write_table(pq.read_table(data), data, row_group_size=3)
+    footer = pq.ParquetFile(data).metadata
+    fsspec.filesystem("memory").put(str(root), "/robots/grouped", recursive=True)
+    others = sum(path.stat().st_size for path in (root / "meta").rglob("*") if path.is_file())
+    remote.forget()
+    before = remote.bytes_fetched()
+    assert audited("memory://robots/grouped") == audited(root)
+    assert footer.serialized_size > 2**16
+    assert remote.bytes_fetched() - before - others <= 1.01 * data.stat().st_size
 
 
 def wide(root: Path) -> Path:
@@ -313,6 +338,21 @@ def test_a_verdict_before_a_download_reads_no_frame(storage: Storage, urls: dict
     [left_out] = found["not_checked"]
     assert all(f" {check}," in left_out for check in ("finite", "late", "stats", "camera-flat"))
     assert " totals," not in left_out
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_statistics_add_up_and_those_that_do_not_are_found(name: str, tmp_path: Path) -> None:
+    root = Path(shutil.copytree(find_dataset(name), tmp_path / name))
+    assert not [each for each in z2r.audit(root, meta_only=True).findings if each.check == "stats"]
+    path = root / "meta/stats.json"
+    stats = json.loads(path.read_text())
+    stats["action"]["std"][0] *= 8
+    stats["observation.state"]["count"][0] += 1
+    path.write_text(json.dumps(stats))
+    found = {each.field: each for each in z2r.audit(root, meta_only=True).findings if each.check == "stats"}
+    said = {(each.severity, each.field.split("[")[0]) for each in found.values()}
+    assert said == {("warning", "action.std"), ("note", "observation.state.count")}
+    assert all("which those of the episodes add up to" in each.expected for each in found.values())
 
 
 def test_a_verdict_before_a_download_fetches_no_frame(storage: Storage, tmp_path: Path) -> None:

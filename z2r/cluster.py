@@ -8,12 +8,15 @@ those that come with other engines, such as ``Client.get_executor()`` of Dask an
 import contextlib
 import logging
 import os
+import socket
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
 from pathlib import Path
 from typing import Any
 
 from z2r.errors import DatasetError, Fault, MissingExtraError
+
+_PATIENCE = 10.0  # s
 
 
 class RayExecutor(Executor):
@@ -39,6 +42,7 @@ class RayExecutor(Executor):
             raise MissingExtraError("a cluster needs Ray. In a clone of the course: pip install '.[ray]'") from None
         self._ray, self._is_own = ray, not ray.is_initialized()
         try:
+            _knock(address)
             ray.init(
                 address,
                 ignore_reinit_error=True,
@@ -46,9 +50,9 @@ class RayExecutor(Executor):
                 log_to_driver=False,
                 logging_level=logging.ERROR,
             )
-        except (ConnectionError, ValueError, RuntimeError) as error:
-            said = f"no cluster ({str(error).splitlines()[0]})"
-            raise DatasetError(Fault(Path(), "--ray", said, "the address of one, or local")) from None
+        except (OSError, ValueError, RuntimeError, ImportError) as error:
+            said = f"no cluster at {address} ({str(error).splitlines()[0]})"
+            raise DatasetError(Fault(Path("--ray"), "", said, "the address of one, or none")) from None
         self._run = ray.remote(_run)
 
     def submit[**P, T](self, function: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
@@ -71,6 +75,13 @@ class RayExecutor(Executor):
         """Leave the cluster, unless it was joined before."""
         if self._is_own:
             self._ray.shutdown()
+
+
+def _knock(address: str) -> None:
+    """See that somebody answers at an address, for which Ray itself would wait for minutes."""
+    host, _, port = address.removeprefix("ray://").rpartition(":")
+    if port.isdigit():
+        socket.create_connection((host, int(port)), timeout=_PATIENCE).close()
 
 
 def _run(folder: Path, function: Callable[..., Any], args: Any, kwargs: Any) -> tuple[Any, BaseException | None]:

@@ -266,6 +266,7 @@ def audit_beside[T](
     files = file_claims(claims, under_mode=mode is not None)
     if meta_only:
         sums, made = _fold_footers(claims, files, progress, executor), list[T]()
+        findings += ask(asked_of(stats.Summaries, PARTS), stats.Summaries(claims))
     else:
         sums, made = _fold_files(claims, files, scene, pictures, beside, progress, executor)
     findings += [finding for part in sums for finding in part.findings]
@@ -312,7 +313,7 @@ def _fold_footer(root: Path, schema: Schema, claims: FileClaims) -> FileSums:
 
 def _not_in_metadata(scene: Scene | None) -> str:
     """Name the checks that ask of more than metadata, the footers of data files and the indices of videos."""
-    subjects = (NoSchema, Stored, Claims, FileColumns, Footage)
+    subjects = (NoSchema, Stored, Claims, FileColumns, Footage, stats.Summaries)
     parts = (*PARTS, *(scene.checks if scene else ()))
     values_too = (values.FINITE, structure.COLUMN_TYPE)
     asked = [part.check for part in parts if part.subject not in subjects or part.check in values_too]

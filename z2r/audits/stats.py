@@ -7,12 +7,13 @@ statistics of each episode, beside its metadata, are for whoever edits a dataset
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from z2r.arrays import Bools, Columns, Floats, Ints
 from z2r.audits import edit
+from z2r.audits.claims import Claims
 from z2r.audits.frames import RunStats
 from z2r.audits.runs import Runs
 from z2r.check import Answer, Check, Severity
@@ -20,7 +21,7 @@ from z2r.errors import Fault
 from z2r.format.about import cameras_of
 from z2r.format.rules import and_more, episodes_of
 from z2r.format.schema import Feature, is_for_a_policy
-from z2r.format.tables import STATS_PATH, read_shard_statistics
+from z2r.format.tables import STATISTICS, STATS_PATH, read_shard_statistics
 
 STATS = Check(
     "stats", "the stored statistics are those of the data, so that a policy sees it in the right size", "warning"
@@ -90,6 +91,41 @@ def stats_of_each_episode(runs: Runs) -> Iterator[Answer]:
             for fault in _episode_differences(shard, name, features[name], columns, flat[name], numbers, run):
                 yield "note", fault
         yield from faults
+
+
+class Summaries(NamedTuple):
+    """What a dataset says of itself, and all that there is to go by for who reads no frame."""
+
+    claims: Claims
+
+
+@STATS.of(Summaries)
+def stats_add_up(summaries: Summaries) -> Iterator[Answer]:
+    """Are the statistics in meta/stats.json those that the statistics of all episodes add up to?"""
+    claims = summaries.claims
+    stored, shards = claims.stored.stats.value, claims.stored.episodes.value.shards
+    features = {name: feature for name, feature in claims.schema.signals().items() if len(feature.shape) == 1}
+    read = [read_shard_statistics(claims.root, shard, features).value.stored for shard in shards]
+    for name, feature in features.items() if stored else ():
+        parts = [shard.get(name, {}) for shard in read]
+        if not all(kind in part for part in parts for kind in STATISTICS):
+            continue
+        episodes = {kind: np.concatenate([part[kind] for part in parts]).astype(np.float64) for kind in STATISTICS}
+        if not all(np.isfinite(each).all() for each in episodes.values()) or episodes["count"].min() < 1:
+            continue
+        longest, seen = float(episodes["count"].max()), is_for_a_policy(name)
+        for off, rounded, fault in _differences(name, feature, (stored or {}).get(name), _added_up(episodes), longest):
+            if not rounded:
+                expected = str(fault.expected).replace("recomputed", "which those of the episodes add up to")
+                yield ("warning" if seen and off > _FAR else "note"), fault._replace(expected=expected)
+
+
+def _added_up(episodes: Statistics) -> Statistics:
+    """Return the statistics of all frames, by those of each episode."""
+    n, mean = episodes["count"], np.average(episodes["mean"], 0, episodes["count"][:, 0])  # (n_episodes, 1), (size,)
+    square = np.average(np.square(episodes["std"]) + np.square(episodes["mean"] - mean), 0, n[:, 0])
+    low, high = episodes["min"].min(axis=0), episodes["max"].max(axis=0)
+    return {"count": n.sum(axis=0), "min": low, "max": high, "mean": mean, "std": np.sqrt(square)}
 
 
 def _severity(off: float, seen: bool) -> Severity:

@@ -30,13 +30,17 @@ from z2r.errors import DatasetError, Fault, MissingExtraError, Unreachable
 type Range = tuple[int, int]
 """From which byte of a file on, and up to which."""
 
+type _Part = tuple[int, memoryview]
+"""Where in a file it begins, and its bytes."""
+
 _OF_ARROW = ("s3", "gs")
 _PATIENCE = 20.0  # s without a byte
 _PAUSES = (0.2, 0.6, 1.8, 5.4)  # s, before a store that failed is asked again
 _WHOLE = 2**16  # bytes: a file up to this size comes whole, as the end of a larger one does
 _KEPT = 2**28  # bytes of files that came whole
 _AT_ONCE = 2**30  # bytes of one file: LeRobot begins a new one every 100 MB
-_PIECE, _GAP = 2**23, 2**12  # bytes in one request; between two ranges that are cheaper to fetch as one
+_PIECE = 2**23  # bytes in one request
+_GAP = 2**12  # bytes between two ranges: less than this is fetched with them, for a request takes longer than that
 _THREADS = 8  # for one file
 
 _DENIED = re.compile(
@@ -136,10 +140,16 @@ class _Far:
         self._at = end
         here = next((part for part in (self._last, *self._parts) if _holds(part, begin, end)), None)
         if here is None:
-            wanted = [(begin, max(end, min(begin + self._ahead, size)))]
-            [here] = _fetch(self._url, self._opened, wanted)
-            self._last = here
+            here = self._last = self._fetch_before_last(begin, end)
         return here[1][begin - here[0] : end - here[0]]
+
+    def _fetch_before_last(self, begin: int, end: int) -> _Part:
+        """Fetch a range, but for what was read last, which a footer goes on in that is longer than Arrow thought."""
+        start, last = self._last
+        goes_on = begin < start < end <= start + len(last)
+        stop = start if goes_on else max(end, min(begin + self._ahead, self._opened.size))
+        [(_, read)] = _fetch(self._url, self._opened, [(begin, stop)])
+        return begin, memoryview(b"".join((read, last))) if goes_on else read
 
     def fetch(self, ranges: Iterable[Range]) -> None:
         """Fetch ranges but for what was read last, which of a parquet file is its end."""
@@ -154,10 +164,6 @@ class _Far:
             (begin, memoryview(b"".join((part, last[: end - known]))) if end > known else part)
             for (begin, end), (_, part) in zip(merged, parts, strict=True)
         ]
-
-
-type _Part = tuple[int, memoryview]
-"""Where in a file it begins, and its bytes."""
 
 
 def read_far(url: Url, max_bytes: int) -> bytes:
