@@ -5,7 +5,6 @@ import os
 import random
 import re
 import signal
-import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
@@ -201,9 +200,3 @@ def test_the_line_in_the_readme_runs_on_dask(many_files: Path, whole) -> None:
         names = {"z2r": z2r, "client": client}
         assert eval(line.replace("my_dataset", str(many_files)), names).to_dict("") == whole[1]
         assert told(many_files, client.get_executor()) == whole
-
-
-def test_threads_are_gone_at_the_end(many_files: Path) -> None:
-    before = threading.active_count()
-    told(many_files)
-    assert threading.active_count() == before
