@@ -15,7 +15,7 @@ import numpy as np
 from z2r.arrays import Bools, Floats, Ints
 from z2r.audits.following import MIN_FRAMES, Following, Pair
 from z2r.check import Answer, Check
-from z2r.errors import Fault, count
+from z2r.errors import Fault, count, some
 from z2r.format.episodes import DATA_DIR
 from z2r.format.schema import ACTION, STATE
 from z2r.reading.action import unit_of
@@ -406,6 +406,20 @@ def commands_are_no_copies(joints: Joints) -> Iterator[Answer]:
             found = f"{STATE} {what}, bit for bit, in {least[wrong].max():.0%} of the frames in which it changes"
             mend = "Was the robot led by hand there, or was no command recorded?"
             yield _in_episodes(ACTION, numbers, found, "a command, as in the other episodes", mend)
+    yield from _partly_copied(joints)
+
+
+def _partly_copied(joints: Joints) -> Iterator[Fault]:
+    """Find joints whose command is their state, bit for bit, while those of others are not."""
+    copied, judged = np.where(joints.judged, joints.runs.copied, 0.0), joints.judged
+    copies = judged & (copied > 1 - _COPIED)
+    partly = copies.any(axis=1) & (judged & (copied < _COPIED / 3)).any(axis=1)
+    if partly.any():
+        run = int(partly.argmax())
+        names = [pair.command for pair, is_one in zip(joints.pairs, copies[run].tolist(), strict=True) if is_one]
+        found = f"the state of the same frame in {some(names)}, bit for bit"
+        mend = "Was no command recorded there? A policy learns to stay where it is"
+        yield _in_episodes(ACTION, joints.number[partly], found, "commands, as of the other joints", mend)
 
 
 def _beside(joints: Joints) -> tuple[Bools, Floats]:

@@ -45,8 +45,9 @@ _MOSTLY, _A_WHILE, _NEVER = 0.5, 0.12, 0.03  # of the robot's way
 _PAIRS, _APART = 8, 1.5  # pairs of pictures, and frames between those that are far apart
 _MUCH, _AS_FAR = 8, 0.9  # of 255, by which pictures differ; and of what they differ by that are far apart
 _FEW, _ALONE, _FOR_GOOD = 4, 4, 0.25  # pictures; times what most differ by; of a leap, what stays of it
-_BREAKS, _FARTHER = 2, 1.5  # leaps, and times as far as half an episode makes
+_BREAKS, _FARTHER = 2, 2  # leaps, and times as far as half an episode makes
 _SWINGS = 8  # of 255: what light and shutter make of a picture from one to the next
+_MORE_THAN_NOISE = 1.5  # of 255
 _BACK = 0.95  # of the farther one of two steps, the way of both
 _TINY = 1e-9  # of it
 
@@ -336,11 +337,12 @@ def _way_back(glance: Glance) -> float:
     """Say how far the next picture but one is, compared with the farther one of the two steps to it.
 
     From 1.3 to 2, the more the smoother it goes; less than 1 where pictures are out of order. Half of the places count,
-    in which most moves.
+    in which most moves; 2 where that is no more than noise.
     """
     farthest = glance.threes.max(axis=1)
     moving = glance.threes[farthest >= np.median(farthest)]  # (n, 3)
-    return float(moving[:, 2].mean() / max(moving[:, :2].max(axis=1).mean(), _TINY))
+    farther = moving[:, :2].max(axis=1).mean()
+    return float(moving[:, 2].mean() / farther) if farther >= _MORE_THAN_NOISE else 2.0
 
 
 def _is_out_of_order(glance: Glance) -> bool:

@@ -27,8 +27,8 @@ _FOLDS = 8  # of the episodes: each is foretold from the others
 _ROUNDS = 3  # until those that differ teach the others nothing
 _DOUBT = 1e-3  # of a variance
 _CLIP = 10  # spreads: so much an episode may teach at most
-_TELLS = 0.5  # spreads: what is usually farther off cannot be foretold
-_FAR, _FARTHER, _FARTHEST = 0.4, 4, 2  # spreads; times what is usual; times what four in five episodes stay below
+_TELLS = 0.3  # spreads: what is usually farther off cannot be foretold
+_FAR, _FARTHER, _FARTHEST = 0.4, 3.5, 2  # spreads; times what is usual; times what four in five episodes stay below
 _FEW = 0.3  # of the episodes: of more, nobody knows which ones are right
 
 

@@ -23,6 +23,9 @@ from z2r.reading.stored import episodes_named
 
 _IN_PLACE = "in the folder itself, where each episode then has one task"
 _MAX_COMPARED = 200  # texts, each with each
+# What is typed where something must be, once signs and numbers are left out.
+_SAYS_NOTHING = {"abc", "asdf", "debug", "default", "demo", "dummy", "example", "foo", "my task", "n a", "new task"}
+_SAYS_NOTHING |= {"none", "null", "placeholder", "sample", "task", "tbd", "test", "testing", "todo", "unknown", "xxx"}
 _SLIP = 0.93  # alike
 _SLIP_OF_A_WORD = 0.75
 _MAX_TEXT = 60  # characters of a text that are shown
@@ -59,7 +62,7 @@ def task_typo(claims: Claims) -> Iterator[Answer]:
     if tasks is None:
         return
     for number, text in zip(tasks.number.tolist(), tasks.text, strict=True):
-        if re.fullmatch(r"\s*[<\[{].*[>\]}]\s*", text):
+        if re.fullmatch(r"\s*[<\[{].*[>\]}]\s*", text) or _without_signs(text) in _SAYS_NOTHING:
             yield Fault(TASKS_PATH, f"task {number}", _shown(text), "what the robot is to do")
     if len(tasks.text) > _MAX_COMPARED:
         return
@@ -68,6 +71,10 @@ def task_typo(claims: Claims) -> Iterator[Answer]:
             if _is_a_slip(text, tasks.text[other]):
                 expected = f"the same as task {tasks.number[other]}, {_shown(tasks.text[other])}, or a text of its own"
                 yield Fault(TASKS_PATH, f"task {tasks.number[row]}", _shown(text), expected, "Is one of them misspelt?")
+
+
+def _without_signs(text: str) -> str:
+    return " ".join(re.findall("[^\\W\\d_]+", text.casefold()))
 
 
 @Check("task-unused", "every task is one that some frame has", "note").of(Runs)

@@ -33,7 +33,7 @@ _OF_ONE, _GAIN = 0.15, 0.05  # s, and of correlation: how far one episode must b
 _MANY, _AGREE = 0.3, 0.6  # of the episodes: what so many have is usual; and what so many have between them is known
 _SAME = 0.2  # of how far pictures are from their mean: what is left of those that are the same
 _LESS, _BETTER, _AS_WELL = 0.2, 0.3, 0.15  # of correlation: below what is usual; by so much better; about as well
-_FAR_LESS, _SPREADS = 0.35, 6  # below what is usual, in correlation and in spreads of it: nobody need know why
+_FAR_LESS, _SPREADS = 0.35, 7  # below what is usual, in correlation and in spreads of it: nobody need know why
 _NEIGHBOURS = {1: "the next episode", -1: "the episode before"}
 
 

@@ -20,10 +20,11 @@ _LEVEL = 110  # to which all views are brought, so that daylight does not matter
 _LIMIT = 40  # grey levels: what lies elsewhere changes some cells by more, a camera that was moved most of them
 _VIEWS_APART = 5  # grey levels, on average over the picture
 _TURNED_APART = 2  # grey levels: by so much it must be another view at least
-_GRAINS_APART, _LEVELS_APART = 0.5, 0.5  # of a logarithm: a factor of 1.6
+_GRAINS_APART, _LEVELS_APART = 0.5, 0.3  # of a logarithm: factors of 1.6 and 1.35
 _FITS, _FITS_TURNED = 0.4, 0.55  # of the distance: less is left where a guess is right, and where it is turned
 _COLOURLESS = 3  # grey levels between the channels, on average
 _DARK, _WHITE = 24, 250
+_STRIPE = 25  # grey levels in a channel
 _COVERED, _MUCH_COVERED, _BURNT = 0.08, 0.25, 0.25  # of the picture
 
 _TURNS: dict[str, Callable[[Floats], Floats]] = {
@@ -86,7 +87,7 @@ def unlike(cameras: Mapping[str, Mapping[int, Glance]]) -> dict[str, list[Unlike
             if some.any()
         ]
         seen = cameras[camera]
-        found[camera] = [*turned, *_unlike_views(left, strangers), *_blurred(left, seen), *_dark(own, seen)]
+        found[camera] = [*turned, *_unlike_views(left, strangers), *_blurred(left, seen), *_dark(left, seen)]
     return found
 
 
@@ -197,11 +198,22 @@ def _lacks(view: Floats, usual: Floats, covered_at_least: float) -> str:
     """Say what is missing in a view. Where nothing else says that it differs, a dark thing in it must be large."""
     if np.ptp(view, axis=-1).mean() <= _COLOURLESS < np.ptp(usual, axis=-1).mean() / _GAP:
         return "without colour"
+    if _has_stripe(view) and not _has_stripe(usual):
+        return "with a stripe from edge to edge"
     burnt = ((view >= _WHITE).all(axis=-1) & (usual < _WHITE).any(axis=-1)).mean()
     if burnt >= _BURNT:
         return f"white in {burnt:.0%} of the picture"
     covered = ((view <= _DARK).all(axis=-1) & (usual > _DARK).any(axis=-1)).mean()
     return f"black in {covered:.0%} of the picture" if covered >= covered_at_least else ""
+
+
+def _has_stripe(view: Floats) -> bool:
+    """Tell whether a row or a column is of another colour than those beside it, all along and in the same way."""
+    for lines in (view, view.swapaxes(0, 1)):
+        beside = np.stack([lines[1:-1] - lines[:-2], lines[1:-1] - lines[2:]], axis=1)  # (n_lines, 2, length, 3)
+        if (beside.min(axis=(1, 2)) >= _STRIPE).any() or (beside.max(axis=(1, 2)) <= -_STRIPE).any():
+            return True
+    return False
 
 
 def _nearest(view: Floats, usual: Floats, strangers: list[tuple[str, Floats]]) -> tuple[float, str]:
