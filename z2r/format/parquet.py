@@ -22,6 +22,7 @@ from z2r.format.store import check_no_pointer, fault_of, open_mapped, open_strea
 _UNREADABLE = (pa.ArrowException, OSError, UnicodeDecodeError)
 NUMERIC = "numbers, one for each frame"
 _MAX_NUMBERS = 2**28  # at a time: 1 GiB of float32
+_MAX_NUMBERS_OF_A_SHARD = 2**29  # of metadata, of which all are decoded
 _MAX_NUMBERS_OF_A_FILE = 2**32  # in blocks: what a footer claims beyond that is no recording
 _BLOCK = 2**21  # numbers: 8 MiB of float32
 _BUFFER = 2**20  # bytes of a column of a row group that is larger than a block
@@ -199,7 +200,7 @@ def check_readable(file: pq.ParquetFile, path: Path) -> None:
 
 def _batches(file: pq.ParquetFile, path: Path, columns: Sequence[str]) -> Iterator[pa.RecordBatch]:
     """Read columns, among them such of text, of so many rows at a time that they fit were each text the longest."""
-    claimed, a_row = _check_claims(file, path, columns, None, _MAX_NUMBERS_OF_A_FILE)
+    claimed, a_row = _check_claims(file, path, columns, None, _MAX_NUMBERS_OF_A_SHARD)
     leaves, n_values = _leaves(file.schema_arrow), count_values(file, columns)
     longest = (  # in each row, were each of its texts all that a row group holds
         _text_bytes(file, leaves[column], range(file.num_row_groups)) * -(-max(n_values[column], 1) // max(claimed, 1))
