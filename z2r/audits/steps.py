@@ -1,9 +1,10 @@
 """How does each column go from frame to frame? Summed up for each run of frames, so that no file stays in memory."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from z2r.arrays import Array, Bools, Floats, Ints
 from z2r.audits.frames import RunStats
@@ -14,10 +15,16 @@ _AFTER = 5  # frames after a leap, with which it is compared
 _MARKS = 12  # frames of a run, evenly from its start, which tell one demonstration from another
 _TURNS, _A_TURN = (2 * np.pi, 360.0), 0.05  # rad and deg; of it: so much may come to it in one frame
 _MARK_EVERY = 0.27  # s
+_ALTERNATES = -0.4  # of the squares
+
+
+type Counts = NDArray[np.int32]
 
 
 class RunSteps(NamedTuple):
-    """The steps of one feature from one frame to the next: float64[n_runs, size] unless it says otherwise.
+    """The steps of one feature from one frame to the next: [n_runs, size] unless it says otherwise.
+
+    Sizes are float64. Frames, and how many of them there are, are int32: a dataset may have a million episodes.
 
     Attributes
     ----------
@@ -32,32 +39,32 @@ class RunSteps(NamedTuple):
     noise : ndarray
         The sum of the sizes of the third differences: white noise of a standard deviation s gives 3.6 s a frame, smooth
         motion far less, and one leap counts as one.
-    jerks, alternates : ndarray
-        The sum of their squares, and of the products of each with the next: of white noise, -3/4 of the former.
+    alternates : ndarray of bool
+        Whether they go up and down as those of noise do: the products of each with the next sum up to less than -0.4 of
+        their squares. Those of white noise come to -0.75, and those of motion to more than 0.
     stall, stall_leap, stall_at, stall_length : ndarray
         How many times as far as in the frames thereafter a column leaps after a rest, while it goes on moving; how far;
         the frame to which it leaps; and how many frames it rested.
-    repeated : ndarray, float64[n_runs, 1]
+    repeated : ndarray, [n_runs, 1]
         How many frames repeat the one before, in all columns, between two that do not.
     marks : ndarray, float32 or float64[n_runs, 12 * size], or None
         Some frames, a quarter of a second apart: what tells a demonstration from another. NaN beyond its end. Of the
         state, and of nothing else.
     """
 
-    at: Floats
+    at: Counts
     around: Floats
     path: Floats
-    moves: Floats
-    at_low: Floats
-    at_high: Floats
+    moves: Counts
+    at_low: Counts
+    at_high: Counts
     noise: Floats
-    jerks: Floats
-    alternates: Floats
+    alternates: Bools
     stall: Floats
     stall_leap: Floats
-    stall_at: Floats
-    stall_length: Floats
-    repeated: Floats
+    stall_at: Counts
+    stall_length: Counts
+    repeated: Counts
     marks: Floats | None
 
 
@@ -127,9 +134,9 @@ def change_in_runs(values: Floats, starts: Ints) -> Floats:
     return change
 
 
-def count_in_runs(those: Bools, starts: Ints) -> Floats:
-    """Count in each run the rows that are so: float64[n_runs]."""
-    n: Floats = np.add.reduceat(those.view(np.uint8), starts, dtype=np.int64).astype(np.float64)
+def count_in_runs(those: Bools, starts: Ints) -> Counts:
+    """Count in each run the rows that are so: int32[n_runs]."""
+    n: Counts = np.add.reduceat(those.view(np.uint8), starts, dtype=np.int32)
     return n
 
 
@@ -138,7 +145,7 @@ def run_of(rows: Ints, starts: Ints) -> Ints:
     return np.searchsorted(starts, rows, side="right") - 1
 
 
-def _stacked(columns: Sequence[dict[str, Floats]]) -> dict[str, Floats]:
+def _stacked(columns: Sequence[dict[str, Any]]) -> dict[str, Any]:
     return {name: np.stack([column[name] for column in columns], axis=1) for name in columns[0]}
 
 
@@ -160,8 +167,8 @@ def _column_stats(values: Floats, change: Floats, size: Floats, starts: Ints, co
 
 def _column_steps(
     values: Floats, change: Floats, size: Floats, largest: Floats, starts: Ints, count: Ints
-) -> dict[str, Floats]:
-    at, around = np.zeros(len(starts)), np.zeros(len(starts))
+) -> dict[str, Any]:
+    at, around = np.zeros(len(starts), np.int32), np.zeros(len(starts))
     hits = np.flatnonzero(size == np.repeat(largest, count))[::-1]  # the first of each run is written last
     run = run_of(hits, starts)
     at[run] = hits - starts[run]
@@ -171,7 +178,7 @@ def _column_steps(
     np.subtract(second[2:], second[1:-1], out=third[3:])
     for place in range(3):
         third[np.minimum(starts + place, len(third) - 1)] = 0  # which would reach into the run before
-    moving = size > 0
+    moving, squares = size > 0, np.add.reduceat(np.square(third), starts)
     return {
         "at": at,
         "around": around,
@@ -180,16 +187,16 @@ def _column_steps(
         "at_low": count_in_runs(values == values.min(), starts),
         "at_high": count_in_runs(values == values.max(), starts),
         "noise": np.add.reduceat(np.abs(third), starts),
-        "jerks": np.add.reduceat(np.square(third), starts),
-        "alternates": np.add.reduceat(third * np.append(third[1:], 0.0), starts),
+        "alternates": np.add.reduceat(third * np.append(third[1:], 0.0), starts) < _ALTERNATES * squares,
         **_stalls(size, moving, starts, count),
     }
 
 
-def _stalls(size: Floats, moving: Bools, starts: Ints, count: Ints) -> dict[str, Floats]:
+def _stalls(size: Floats, moving: Bools, starts: Ints, count: Ints) -> dict[str, Any]:
     """Find the worst leap after a rest in each run, by how far it goes compared with the largest step soon after it."""
-    names = ("stall", "stall_leap", "stall_at", "stall_length")
-    found: dict[str, Floats] = {name: np.zeros(len(starts)) for name in names}
+    sizes, frames_of = ("stall", "stall_leap"), ("stall_at", "stall_length")
+    found: dict[str, Any] = {name: np.zeros(len(starts)) for name in sizes}
+    found |= {name: np.zeros(len(starts), np.int32) for name in frames_of}
     ends = moving.copy()
     ends[starts] = True  # a rest ends where something moves, or the run does
     still = ~ends
@@ -211,7 +218,7 @@ def _stalls(size: Floats, moving: Bools, starts: Ints, count: Ints) -> dict[str,
     return found
 
 
-def _repeated(moving: Bools, starts: Ints) -> Floats:
+def _repeated(moving: Bools, starts: Ints) -> Counts:
     between = np.zeros(len(moving), dtype=bool)
     between[1:-1] = ~moving[1:-1] & moving[:-2] & moving[2:]
     between[starts] = False
