@@ -133,7 +133,7 @@ def _check_claims(
     groups = _leading_row_groups(file, n_rows)
     leaves = _leaves(stored)
     n_values = [_n_values(file, leaves[column], groups) or claimed for column in columns]
-    a_row = sum(-(-each // max(claimed, 1)) for each in n_values)
+    a_row = max(1, sum(-(-each // max(claimed, 1)) for each in n_values))
     mend = "LeRobot begins a new file every 100 MB: it is damaged, or wants to be split"
     if claimed * a_row > most or a_row > _MAX_NUMBERS_OF_A_ROW:
         found = f"{claimed:,} rows of {a_row:,} numbers"
