@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from z2r.arrays import Bools, Columns, Floats, Ints
-from z2r.audits.steps import change_in_runs, count_in_runs, is_a_turn, run_of
+from z2r.audits.steps import Counts, change_in_runs, count_in_runs, is_a_turn, run_of
 from z2r.format.schema import ACTION, STATE, Schema, column_label
 from z2r.reading.joints import joints_of
 from z2r.reading.reading import Reading
@@ -74,7 +74,7 @@ class Following(NamedTuple):
     beside, beside_at : ndarray, float64[n_runs, n_pairs]
         How far the command is from where the column comes to be, at most, on average over about a second; and in which
         frame of the run that second begins. NaN where the column does not follow in this file.
-    turns_asked, turns_seen : ndarray, float64[n_runs, n_pairs]
+    turns_asked, turns_seen : ndarray, int32[n_runs, n_pairs]
         How often the command, and the column, go on at the other end of a whole turn.
     copied, foretold : ndarray, float64[n_runs, n_pairs]
         Share of the frames in which the command changes where it is the column in the same frame, and in the next one,
@@ -96,8 +96,8 @@ class Following(NamedTuple):
     other_explained: Floats
     beside: Floats
     beside_at: Floats
-    turns_asked: Floats
-    turns_seen: Floats
+    turns_asked: Counts
+    turns_seen: Counts
     copied: Floats
     foretold: Floats
 
@@ -265,7 +265,7 @@ def _rows(run: int, starts: Ints, stops: Ints) -> slice:
 
 def _fold_pair(
     pairs: Sequence[Pair], place: int, columns: Columns, starts: Ints, stops: Ints, known: Usual | int
-) -> tuple[dict[str, Floats], Usual]:
+) -> tuple[dict[str, Any], Usual]:
     """Sum up one pair: every field of `Following` but the first, each float64[n_runs]; and what is usual.
 
     What is usual is known, or so many of the first runs tell.
@@ -290,7 +290,7 @@ def _fold_pair(
     else:
         usual, fit = _usual(asked, seen, starts, stops, known)
     nothing = np.full(len(starts), np.nan)
-    found = {
+    found: dict[str, Any] = {
         **ranges,
         "kind": np.full(len(starts), float(usual.lag.kind if usual.lag else 0)),
         **{name: np.full(len(starts), getattr(usual.lag, name, np.nan), dtype=np.float64) for name in _LAGS},
@@ -319,12 +319,12 @@ def _ranges(values: Floats, starts: Ints) -> Floats:
     return ranges
 
 
-def _turns(changes: Floats, ranges: Floats, starts: Ints) -> Floats:
+def _turns(changes: Floats, ranges: Floats, starts: Ints) -> Counts:
     """Count the steps of a whole turn in each run."""
     sizes = np.abs(changes)
     turning = is_a_turn(np.maximum.reduceat(sizes, starts), ranges)
     if not turning.any():
-        return np.zeros(len(starts))
+        return np.zeros(len(starts), np.int32)
     return count_in_runs(is_a_turn(sizes, np.repeat(ranges, np.diff(starts, append=len(sizes)))), starts)
 
 

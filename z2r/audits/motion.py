@@ -28,7 +28,6 @@ _END = 3  # frames
 _STALL = 6  # times the steps thereafter
 _NOISE = 3  # times the usual standard deviation
 _NOISE_A_FRAME = 3.57  # what third differences of white noise come to, on average: sqrt(20 * 2 / pi)
-_ALTERNATES = -0.4  # of the squares: white noise comes to -0.75, and motion to more than 0
 _MOVES = 0.3  # of the usual way
 _ROUGH = 3  # times as rough as usual for its speed
 _REPEATED = 0.25  # of the frames: half of them, where a sensor is read at half the rate
@@ -162,12 +161,11 @@ def no_episode_is_noisier(runs: Runs) -> Iterator[Answer]:
         usual = _quarter_of(size, moves)
         with np.errstate(divide="ignore", invalid="ignore"):
             rough = np.nan_to_num(size * runs.n_frames[:, None] / steps.path)
-        alternates = steps.alternates < _ALTERNATES * steps.jerks
         wrong = long & (size > _NOISE * usual) & (usual > 0) & (size > _TICK * runs.spans(name))
         wrong &= _quarter(_leap_ratio(runs, name)) < _SMOOTH
         wrong &= steps.repeated < _SOME_REPEATED * runs.n_frames[:, None]
         trembles = (rough > _ROUGH * _median(rough)) & (name in (STATE, ACTION))  # what is pushed or dropped may do so
-        wrong &= _continuous(runs, name) & (alternates | trembles)
+        wrong &= _continuous(runs, name) & (steps.alternates | trembles)
         if wrong.any():
             run, column = _worst(wrong, size / np.maximum(usual, 1e-300))
             found = f"noise of about {size[run, column]:.3g}{_so_in(wrong[run])}"

@@ -1,7 +1,7 @@
 """How does each column go from frame to frame? Summed up for each run of frames, so that no file stays in memory."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,12 +15,18 @@ _AFTER = 5  # frames after a leap, with which it is compared
 _MARKS = 12  # frames of a run, evenly from its start, which tell one demonstration from another
 _TURNS, _A_TURN = (2 * np.pi, 360.0), 0.05  # rad and deg; of it: so much may come to it in one frame
 _MARK_EVERY = 0.27  # s
+_ALTERNATES = -0.4  # of the squares
 _MIXERS = 2 * np.random.default_rng(0).integers(2**63, size=8, dtype=np.uint64) + 1  # odd
 NO_SKETCH = np.iinfo(np.uint64).max
 
 
+type Counts = NDArray[np.int32]
+
+
 class RunSteps(NamedTuple):
-    """The steps of one feature from one frame to the next: float64[n_runs, size] unless it says otherwise.
+    """The steps of one feature from one frame to the next: [n_runs, size] unless it says otherwise.
+
+    Sizes are float64. Frames, and how many of them there are, are int32: a dataset may have a million episodes.
 
     Attributes
     ----------
@@ -35,12 +41,13 @@ class RunSteps(NamedTuple):
     noise : ndarray
         The sum of the sizes of the third differences: white noise of a standard deviation s gives 3.6 s a frame, smooth
         motion far less, and one leap counts as one.
-    jerks, alternates : ndarray
-        The sum of their squares, and of the products of each with the next: of white noise, -3/4 of the former.
+    alternates : ndarray of bool
+        Whether they go up and down as those of noise do: the products of each with the next sum up to less than -0.4 of
+        their squares. Those of white noise come to -0.75, and those of motion to more than 0.
     stall, stall_leap, stall_at, stall_length : ndarray
         How many times as far as in the frames thereafter a column leaps after a rest, while it goes on moving; how far;
         the frame to which it leaps; and how many frames it rested.
-    repeated : ndarray, float64[n_runs, 1]
+    repeated : ndarray, [n_runs, 1]
         How many frames repeat the one before, in all columns, between two that do not.
     marks : ndarray, float32 or float64[n_runs, 12 * size], or None
         Some frames, a quarter of a second apart: what tells a demonstration from another. NaN beyond its end. Of the
@@ -51,20 +58,19 @@ class RunSteps(NamedTuple):
         resemblance and containment of documents", 1997). `NO_SKETCH` where there is no such frame. Of the state only.
     """
 
-    at: Floats
+    at: Counts
     around: Floats
     path: Floats
-    moves: Floats
-    at_low: Floats
-    at_high: Floats
+    moves: Counts
+    at_low: Counts
+    at_high: Counts
     noise: Floats
-    jerks: Floats
-    alternates: Floats
+    alternates: Bools
     stall: Floats
     stall_leap: Floats
-    stall_at: Floats
-    stall_length: Floats
-    repeated: Floats
+    stall_at: Counts
+    stall_length: Counts
+    repeated: Counts
     marks: Floats | None
     sketch: NDArray[np.uint64] | None
 
@@ -138,9 +144,9 @@ def change_in_runs(values: Floats, starts: Ints) -> Floats:
     return change
 
 
-def count_in_runs(those: Bools, starts: Ints) -> Floats:
-    """Count in each run the rows that are so: float64[n_runs]."""
-    n: Floats = np.add.reduceat(those.view(np.uint8), starts, dtype=np.int64).astype(np.float64)
+def count_in_runs(those: Bools, starts: Ints) -> Counts:
+    """Count in each run the rows that are so: int32[n_runs]."""
+    n: Counts = np.add.reduceat(those.view(np.uint8), starts, dtype=np.int32)
     return n
 
 
@@ -149,7 +155,7 @@ def run_of(rows: Ints, starts: Ints) -> Ints:
     return np.searchsorted(starts, rows, side="right") - 1
 
 
-def _stacked(columns: Sequence[dict[str, Floats]]) -> dict[str, Floats]:
+def _stacked(columns: Sequence[dict[str, Any]]) -> dict[str, Any]:
     return {name: np.stack([column[name] for column in columns], axis=1) for name in columns[0]}
 
 
@@ -171,8 +177,8 @@ def _column_stats(values: Floats, change: Floats, size: Floats, starts: Ints, co
 
 def _column_steps(
     values: Floats, change: Floats, size: Floats, largest: Floats, starts: Ints, count: Ints
-) -> dict[str, Floats]:
-    at, around = np.zeros(len(starts)), np.zeros(len(starts))
+) -> dict[str, Any]:
+    at, around = np.zeros(len(starts), np.int32), np.zeros(len(starts))
     hits = np.flatnonzero(size == np.repeat(largest, count))[::-1]  # the first of each run is written last
     run = run_of(hits, starts)
     at[run] = hits - starts[run]
@@ -182,7 +188,7 @@ def _column_steps(
     np.subtract(second[2:], second[1:-1], out=third[3:])
     for place in range(3):
         third[np.minimum(starts + place, len(third) - 1)] = 0  # which would reach into the run before
-    moving = size > 0
+    moving, squares = size > 0, np.add.reduceat(np.square(third), starts)
     return {
         "at": at,
         "around": around,
@@ -191,16 +197,16 @@ def _column_steps(
         "at_low": count_in_runs(values == values.min(), starts),
         "at_high": count_in_runs(values == values.max(), starts),
         "noise": np.add.reduceat(np.abs(third), starts),
-        "jerks": np.add.reduceat(np.square(third), starts),
-        "alternates": np.add.reduceat(third * np.append(third[1:], 0.0), starts),
+        "alternates": np.add.reduceat(third * np.append(third[1:], 0.0), starts) < _ALTERNATES * squares,
         **_stalls(size, moving, starts, count),
     }
 
 
-def _stalls(size: Floats, moving: Bools, starts: Ints, count: Ints) -> dict[str, Floats]:
+def _stalls(size: Floats, moving: Bools, starts: Ints, count: Ints) -> dict[str, Any]:
     """Find the worst leap after a rest in each run, by how far it goes compared with the largest step soon after it."""
-    names = ("stall", "stall_leap", "stall_at", "stall_length")
-    found: dict[str, Floats] = {name: np.zeros(len(starts)) for name in names}
+    sizes, frames_of = ("stall", "stall_leap"), ("stall_at", "stall_length")
+    found: dict[str, Any] = {name: np.zeros(len(starts)) for name in sizes}
+    found |= {name: np.zeros(len(starts), np.int32) for name in frames_of}
     ends = moving.copy()
     ends[starts] = True  # a rest ends where something moves, or the run does
     still = ~ends
@@ -222,7 +228,7 @@ def _stalls(size: Floats, moving: Bools, starts: Ints, count: Ints) -> dict[str,
     return found
 
 
-def _repeated(moving: Bools, starts: Ints) -> Floats:
+def _repeated(moving: Bools, starts: Ints) -> Counts:
     between = np.zeros(len(moving), dtype=bool)
     between[1:-1] = ~moving[1:-1] & moving[:-2] & moving[2:]
     between[starts] = False

@@ -23,6 +23,7 @@ from z2r.format.store import check_no_pointer, fault_of, fetch, is_far, open_map
 _UNREADABLE = (pa.ArrowException, OSError, UnicodeDecodeError)
 NUMERIC = "numbers, one for each frame"
 _MAX_NUMBERS = 2**28  # at a time: 1 GiB of float32
+_MAX_NUMBERS_OF_A_SHARD = 2**29  # of metadata, of which all are decoded
 _MAX_NUMBERS_OF_A_FILE = 2**32  # in blocks: what a footer claims beyond that is no recording
 _BLOCK = 2**21  # numbers: 8 MiB of float32
 _BUFFER = 2**20  # bytes of a column of a row group that is larger than a block
@@ -156,7 +157,7 @@ def _check_claims(
     groups = _leading_row_groups(file, n_rows)
     leaves = _leaves(stored)
     n_values = [_n_values(file, leaves[column], groups) or claimed for column in columns]
-    a_row = sum(-(-each // max(claimed, 1)) for each in n_values)
+    a_row = max(1, sum(-(-each // max(claimed, 1)) for each in n_values))
     mend = "LeRobot begins a new file every 100 MB: it is damaged, or wants to be split"
     if claimed * a_row > most or a_row > _MAX_NUMBERS_OF_A_ROW:
         found = f"{claimed:,} rows of {a_row:,} numbers"
@@ -223,7 +224,7 @@ def check_readable(file: pq.ParquetFile, path: Path) -> None:
 
 def _batches(file: pq.ParquetFile, path: Path, columns: Sequence[str]) -> Iterator[pa.RecordBatch]:
     """Read columns, among them such of text, of so many rows at a time that they fit were each text the longest."""
-    claimed, a_row = _check_claims(file, path, columns, None, _MAX_NUMBERS_OF_A_FILE)
+    claimed, a_row = _check_claims(file, path, columns, None, _MAX_NUMBERS_OF_A_SHARD)
     leaves, n_values = _leaves(file.schema_arrow), count_values(file, columns)
     longest = (  # in each row, were each of its texts all that a row group holds
         _text_bytes(file, leaves[column], range(file.num_row_groups)) * -(-max(n_values[column], 1) // max(claimed, 1))
