@@ -1,0 +1,362 @@
+"""What does a misreading cost? One recipe, trained on each of them, and judged by the simulator: the whole table.
+
+    python -m z2r.pusht.cloning.experiment OUT [--smoke] [--row NAME] [--jobs N]
+
+A policy is trained on demonstrations as somebody believes them to be, and played from starts that it has not seen. What
+was measured stands in `OUT/results.csv`, a line for each policy and way to play it; what stands there is not measured
+again. The demonstrations are recorded into `OUT/sets` first.
+"""
+
+import importlib.metadata
+import os
+import platform
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass, replace
+from functools import partial
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import rich_click as click
+import torch
+from rich.progress import track
+
+from z2r.arrays import Bools
+from z2r.format.dataset import Dataset, load
+from z2r.format.schema import Schema
+from z2r.pusht.beliefs import BELIEFS
+from z2r.pusht.cloning import sets
+from z2r.pusht.cloning.data import Examples, Vantage, read_examples
+from z2r.pusht.cloning.model import Policy, Scale, scale_of, train
+from z2r.pusht.cloning.results import Result, read_results, table_of, write_results
+from z2r.pusht.cloning.rollout import Rollout, roll_out, stand_still
+from z2r.pusht.task import CONTROL_HZ
+from z2r.pusht.world import PUSHT
+from z2r.reading.breaks import BREAK_MODES, BreakMode
+from z2r.reading.inspection import inspect_dataset
+
+FIRST_START = 100_000  # far from the seeds of all demonstrations
+SHARE_DAMAGED = 0.3
+ONE_FRAME = 6  # inputs that one frame holds: the others come from the frame before
+SAVED = 3  # rollouts of each row, of the first seed
+
+
+class Size(NamedTuple):
+    """How much work it is."""
+
+    few: int  # demonstrations
+    many: int
+    batches: int  # on few; `many_batches` on many
+    many_batches: int
+    starts: int
+    seeds: int
+
+
+FULL = Size(few=400, many=2000, batches=4000, many_batches=20000, starts=100, seeds=3)
+SMOKE = Size(few=10, many=12, batches=5, many_batches=5, starts=2, seeds=1)
+
+
+def _all(dataset: Dataset) -> Bools:
+    return np.ones(len(dataset.episodes), dtype=bool)
+
+
+def _reached(mode: str | None, dataset: Dataset) -> Bools:
+    """Tell which episodes reached the goal, as somebody reads them who gets one thing wrong, or none."""
+    outcome = inspect_dataset(dataset, BREAK_MODES[mode] if mode else None, PUSHT).outcome
+    assert outcome is not None
+    return outcome.reached
+
+
+def _as_many_at_random(select: Callable[[Dataset], Bools], dataset: Dataset) -> Bools:
+    drawn = np.random.default_rng(sets.KIND_SEED).permutation(len(dataset.episodes))
+    chosen: Bools = drawn < select(dataset).sum()
+    return chosen
+
+
+def _as_many_shortest(select: Callable[[Dataset], Bools], dataset: Dataset) -> Bools:
+    order = dataset.episodes.lengths.argsort(kind="stable")
+    chosen: Bools = order.argsort() < select(dataset).sum()
+    return chosen
+
+
+def _numbered(numbers: Callable[[Path], Sequence[int]], dataset: Dataset) -> Bools:
+    return np.isin(np.arange(len(dataset.episodes)), numbers(dataset.root))
+
+
+KEPT = partial(_numbered, sets.kept_by_audit)
+UNNAMED = partial(_numbered, sets.named_by_none)
+REACHED = partial(_reached, None)
+
+
+def _eightfold(scale: Scale, _: Path) -> Scale:
+    """Take the first input, the pusher's place across the block, for eight times as widely spread as it is."""
+    return replace(scale, inputs=scale.inputs * np.array([8.0, *np.ones(len(scale.inputs) - 1)]))
+
+
+def _without_the_past(scale: Scale, _: Path) -> Scale:
+    """Let all that one frame does not hold be 0, however large it is."""
+    past = np.arange(len(scale.inputs)) >= ONE_FRAME
+    return replace(scale, inputs=np.where(past, np.inf, scale.inputs))
+
+
+def _of_another_set(_: Scale, folder: Path) -> Scale:
+    return scale_of(read_examples(load(folder / "sets/failing"), PUSHT))
+
+
+@dataclass(frozen=True)
+class Play:
+    """A way to play a policy: one row of the table.
+
+    Attributes
+    ----------
+    row : str
+        The name of the row.
+    mode : BreakMode, optional
+        How observations are read wrong.
+    fps : int
+        How many actions are played in a second.
+    more : int
+        From how many times as many starts.
+    scale : callable, optional
+        Takes the scale that the policy was trained with, and OUT; returns the one that it is played with.
+    """
+
+    row: str
+    mode: BreakMode | None = None
+    fps: int = CONTROL_HZ
+    more: int = 1
+    scale: Callable[[Scale, Path], Scale] | None = None
+
+
+@dataclass(frozen=True)
+class Training:
+    """A policy: what it learns from, and how it is played.
+
+    Attributes
+    ----------
+    plays : tuple of Play
+        At least one.
+    source : str
+        The set of demonstrations.
+    mode : BreakMode, optional
+        How they are read wrong.
+    select : callable
+        Which of their episodes are used.
+    many : bool
+        Whether it learns from many, rather than from few.
+    vantage : str
+        From where the scene is seen.
+    scale : callable, optional
+        Takes the scale of what it learns from, and OUT; returns the one to train with.
+    """
+
+    plays: tuple[Play, ...]
+    source: str = "clean"
+    mode: BreakMode | None = None
+    select: Callable[[Dataset], Bools] = _all
+    many: bool = False
+    vantage: Vantage = "block"
+    scale: Callable[[Scale, Path], Scale] | None = None
+
+
+def _plain(row: str, mode: BreakMode | None = None, **options: Any) -> Training:
+    """Return a training whose policy is played as it should be."""
+    return Training((Play(row),), mode=mode, **options)
+
+
+_YAW = BREAK_MODES["yaw-swap"]
+_MODES = {"early-1": BREAK_MODES["action-lag"], **BELIEFS}
+_FAULTY = (*sets.FAULTS, "mixture")
+
+TRAININGS: tuple[Training, ...] = (
+    Training(
+        (
+            Play("right"),
+            Play("fps-30-at-rollout", fps=3 * CONTROL_HZ),
+            Play("yaw-swap-at-rollout", _YAW),
+            Play("scale-of-another-set-at-rollout", scale=_of_another_set),
+            Play("scale-eightfold-at-rollout", scale=_eightfold),
+        )
+    ),
+    _plain("scale-eightfold-throughout", scale=_eightfold),
+    Training((Play("yaw-swap-in-training"), Play("yaw-swap-throughout", _YAW)), mode=_YAW),
+    *(_plain(name, BREAK_MODES[name]) for name in ("drop-boundaries", "inclusive-end")),
+    *(_plain(name, mode) for name, mode in _MODES.items()),
+    _plain("idle-tenth", source="idle"),
+    _plain("idle-tenth-unnamed", source="idle", select=UNNAMED),
+    _plain("damaged-tenth", source="tenth"),
+    _plain("damaged-tenth-unnamed", source="tenth", select=UNNAMED),
+    _plain("failed-kept", source="failing"),
+    _plain("failed-dropped", source="failing", select=REACHED),
+    _plain("failed-dropped-by-degrees", source="failing", select=partial(_reached, "degrees-for-radians")),
+    _plain("failed-as-many-at-random", source="failing", select=partial(_as_many_at_random, REACHED)),
+    *(_plain(f"faulty-{name}", source=name) for name in _FAULTY),
+    *(_plain(f"faulty-{name}-unnamed", source=name, select=UNNAMED) for name in _FAULTY),
+    _plain("faulty-mixture-kept", source="mixture", select=KEPT),
+    _plain("faulty-mixture-as-many-at-random", source="mixture", select=partial(_as_many_at_random, UNNAMED)),
+    _plain("faulty-mixture-as-many-shortest", source="mixture", select=partial(_as_many_shortest, UNNAMED)),
+    _plain("one-frame", scale=_without_the_past),
+    _plain("from-the-table", vantage="table"),
+    Training(
+        (Play("from-the-table-yaw-swap-in-training"), Play("from-the-table-yaw-swap-throughout", _YAW)),
+        mode=_YAW,
+        vantage="table",
+    ),
+    Training((Play("right-2000", more=2),), many=True),
+    _plain("drop-boundaries-2000", BREAK_MODES["drop-boundaries"], many=True),
+    _plain("late-2-2000", BELIEFS["late-2"], many=True),
+    _plain("late-5-2000", BELIEFS["late-5"], many=True),
+    Training((Play("yaw-swap-in-training-2000"), Play("yaw-swap-throughout-2000", _YAW)), mode=_YAW, many=True),
+)
+
+
+def make_sets(folder: Path, size: Size) -> None:
+    """Record the demonstrations that are not there yet."""
+    folder.mkdir(parents=True, exist_ok=True)
+    clean = folder / "clean"
+    damages = {name: ([damage], SHARE_DAMAGED) for name, damage in sets.FAULTS.items()}
+    damages |= {"mixture": ([*sets.FAULTS.values()], SHARE_DAMAGED)}
+    damages |= {"idle": ([sets.idle], 0.1), "tenth": ([sets.actions_of_another], 0.1)}
+    work: dict[str, Callable[[Path], object]] = {
+        "clean": partial(sets.record_set, n_episodes=size.many, first_seed=sets.FIRST_SEED, failing=False),
+        "failing": partial(sets.record_set, n_episodes=size.few, first_seed=sets.FIRST_SEED + 2000, failing=True),
+    }
+    for name, (done, share) in damages.items():
+        work[name] = partial(sets.write_damaged, source=clean, n_episodes=size.few, share=share, damages=done)
+    for name in track([name for name in work if not (folder / name).exists()], "recording", transient=True):
+        work[name](folder / name)
+    for name in damages:
+        sets.kept_by_audit(folder / name)
+
+
+def measure(folder: Path, size: Size, number: int, seed: int) -> list[Result]:
+    """Train one policy, and play it in all the ways that its training names.
+
+    Parameters
+    ----------
+    folder : Path
+        OUT, with the sets in it.
+    size : Size
+        How much work it is.
+    number : int
+        Which of `TRAININGS`.
+    seed : int
+        Draws the first weights and the batches.
+    """
+    torch.set_num_threads(1)  # one for each process: two policies side by side are quicker than one after the other
+    began, training = time.process_time(), TRAININGS[number]
+    batches = size.many_batches if training.many else size.batches
+    dataset = load(folder / "sets" / training.source).first(size.many if training.many else size.few)
+    dataset = replace(dataset, episodes=dataset.episodes.only(training.select(dataset)))
+    examples = _examples(dataset, training) if len(dataset.episodes) else None
+    policy = _learn(examples, training, batches, seed, folder) if examples else None
+    results = []
+    for play in training.plays:
+        rollouts = _play(policy, play, training.vantage, folder, dataset.schema, size.starts)
+        if seed == 0:
+            save_rollouts(folder / "rollouts" / f"{play.row}.npz", rollouts[:SAVED])
+        now = time.process_time()
+        results.append(
+            Result(
+                row=play.row,
+                demonstrations=len(dataset.episodes),
+                seed=seed,
+                outcomes="".join(str(int(each.success)) for each in rollouts),
+                seconds=round(float(np.mean([len(each.actions) for each in rollouts])) / play.fps, 2),
+                frames=len(examples.inputs) if examples else 0,
+                batches=batches,
+                minutes=round((now - began) / 60, 2),
+                stack=_stack(),
+                command=f"python -m z2r.pusht.cloning.experiment OUT --row {play.row}",
+            )
+        )
+        began = now  # the first row of a policy bears its training
+    return results
+
+
+def _examples(dataset: Dataset, training: Training) -> Examples:
+    believed, reading = training.mode.believe(dataset, PUSHT) if training.mode else (dataset, PUSHT)
+    assert reading is not None
+    return read_examples(believed, reading, training.vantage)
+
+
+def _learn(examples: Examples, training: Training, batches: int, seed: int, folder: Path) -> Policy:
+    scale = scale_of(examples)
+    return train(examples, batches, seed, training.scale(scale, folder) if training.scale else scale)
+
+
+def _play(
+    policy: Policy | None, play: Play, vantage: Vantage, folder: Path, schema: Schema, n_starts: int
+) -> list[Rollout]:
+    """Play a policy; where nothing was left to learn from, stand still."""
+    if policy and play.scale:
+        policy = replace(policy, scale=play.scale(policy.scale, folder))
+    starts = range(FIRST_START, FIRST_START + n_starts * play.more)
+    reading = play.mode.reading(PUSHT) if play.mode else PUSHT
+    return roll_out(policy or stand_still, starts, reading, schema, vantage, play.fps)
+
+
+def save_rollouts(path: Path, rollouts: Sequence[Rollout]) -> None:
+    """Write some rollouts into one file: the states and actions of the first as ``states_0`` and ``actions_0``."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    states = {f"states_{number}": each.states for number, each in enumerate(rollouts)}
+    actions = {f"actions_{number}": each.actions.astype(np.float32) for number, each in enumerate(rollouts)}
+    arrays: dict[str, Any] = {"success": [each.success for each in rollouts], **states, **actions}
+    np.savez_compressed(path, **arrays)
+
+
+_ROWS = [play.row for training in TRAININGS for play in training.plays]
+
+
+def _place(result: Result) -> tuple[int, int]:
+    return _ROWS.index(result.row), result.seed
+
+
+def _stack() -> str:
+    versions = [f"{name} {importlib.metadata.version(name)}" for name in ("torch", "mujoco", "numpy")]
+    return "; ".join([f"{platform.system()} {platform.machine()}", f"Python {platform.python_version()}", *versions])
+
+
+@click.command()
+@click.argument("out", type=click.Path(path_type=Path, file_okay=False))
+@click.option("--smoke", is_flag=True, help="All rows, so small that they say nothing.")
+@click.option("--row", type=click.Choice(_ROWS), metavar="NAME", help="Measure this row alone.")
+@click.option(
+    "--jobs", type=click.IntRange(min=1), default=os.cpu_count() or 1, show_default=True, metavar="N", help="Processes."
+)
+def main(out: Path, *, smoke: bool, row: str | None, jobs: int) -> None:
+    """Measure what each misreading costs, into `OUT/results.csv`; what stands there is not measured again."""
+    size, table = SMOKE if smoke else FULL, out / "results.csv"
+    make_sets(out / "sets", size)
+    done = read_results(table)
+    there = {(each.row, each.seed) for each in done}
+    wanted = [
+        (number, seed)
+        for seed in range(size.seeds)
+        for number, training in enumerate(TRAININGS)
+        if any((play.row, seed) not in there and row in (None, play.row) for play in training.plays)
+    ]
+    click.echo(expectation(wanted, smoke=smoke))
+    with ProcessPoolExecutor(jobs, get_context("spawn")) as processes:
+        futures = [processes.submit(measure, out, size, *each) for each in wanted]
+        for future in track(as_completed(futures), "training", len(futures)):
+            done += [each for each in future.result() if (each.row, each.seed) not in there]
+            write_results(table, sorted(done, key=_place))
+    click.echo(table_of(sorted(done, key=_place)))
+
+
+def expectation(wanted: Sequence[tuple[int, int]], *, smoke: bool) -> str:
+    """Say how long it takes, from what was measured before: minutes of one core."""
+    measured = {(each.row, each.seed): each.minutes for each in read_results()}
+    keys = [(play.row, seed) for number, seed in wanted for play in TRAININGS[number].plays]
+    if smoke or not all(key in measured for key in keys):
+        return f"{len(wanted)} policies to train; not yet measured at this size"
+    minutes, stack = sum(measured[key] for key in keys), read_results()[0].stack
+    return f"{len(wanted)} policies to train; measured: {minutes:.0f} minutes of one core ({stack})"
+
+
+if __name__ == "__main__":
+    main()
