@@ -20,10 +20,9 @@ type _Change = Callable[[Floats, Floats, EpisodeIndex], Floats]
 
 
 def _stored_late(by: int, action: Floats, _: Floats, episodes: EpisodeIndex) -> Floats:
-    rows = np.arange(len(action))
-    first = np.repeat(episodes.from_index, episodes.lengths)
-    rows[episodes.frame_numbers] = np.maximum(episodes.frame_numbers - by, first)
-    late: Floats = action[rows]
+    frames, first = episodes.frame_numbers, np.repeat(episodes.from_index, episodes.lengths)
+    late = np.zeros_like(action)  # an episode begins at rest, and its last actions are stored nowhere
+    late[frames] = np.where((frames - by >= first)[:, None], action[frames - by], 0.0)
     return late
 
 

@@ -32,7 +32,8 @@ from z2r.pusht.cloning import sets
 from z2r.pusht.cloning.data import Examples, Vantage, read_examples
 from z2r.pusht.cloning.model import Policy, Scale, scale_of, train
 from z2r.pusht.cloning.results import Result, read_results, table_of, write_results
-from z2r.pusht.cloning.rollout import Rollout, roll_out, stand_still
+from z2r.pusht.cloning.rollout import roll_out, stand_still
+from z2r.pusht.simulator.replayed import Rollout
 from z2r.pusht.task import CONTROL_HZ
 from z2r.pusht.world import PUSHT
 from z2r.reading.breaks import BREAK_MODES, BreakMode

@@ -5,7 +5,6 @@ before it is asked again.
 """
 
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -13,28 +12,11 @@ from z2r.arrays import Floats
 from z2r.format.schema import Schema
 from z2r.pusht.cloning.data import CHUNK, Vantage, axes, inputs, see, turn
 from z2r.pusht.simulator.env import PushTEnv
+from z2r.pusht.simulator.replayed import Rollout
 from z2r.pusht.task import ACTION_LIMIT, CONTROL_HZ, MAX_STEPS
 from z2r.reading.reading import Reading
 
 PLAYED = 4  # actions of a chunk
-
-
-class Rollout(NamedTuple):
-    """How one start went.
-
-    Attributes
-    ----------
-    success : bool
-        The simulator's verdict.
-    states : ndarray, float32[n_steps + 1, 10]
-        What was observed, from the start to the end, in the order of ``STATE_NAMES``.
-    actions : ndarray, float64[n_steps, 2]
-        What was done [m/s].
-    """
-
-    success: bool
-    states: Floats
-    actions: Floats
 
 
 def roll_out(
