@@ -6,6 +6,7 @@ once. All of it is seen from the block: what matters is where the pusher is on t
 go, and a push is then the same push wherever the block lies. From the table, the raw numbers, it works less well.
 """
 
+from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -43,6 +44,30 @@ class Examples(NamedTuple):
     inputs: Floats
     actions: Floats
     there: Bools
+
+
+@dataclass(frozen=True)
+class Scale:
+    """What numbers are divided by before a network sees them, and what its answers are multiplied with.
+
+    Nothing is subtracted: what is mirrored has a mean of 0.
+
+    Attributes
+    ----------
+    inputs : ndarray, float64[13]
+        Root mean square of each input.
+    action : float
+        Root mean square of all actions [m/s].
+    """
+
+    inputs: Floats
+    action: float
+
+
+def scale_of(examples: Examples) -> Scale:
+    """Measure the scale of some examples; 1 for what is always 0."""
+    size = np.sqrt(np.mean(examples.inputs**2, axis=0))
+    return Scale(np.where(size > 0, size, 1.0), float(np.sqrt(np.mean(examples.actions[examples.there] ** 2))) or 1.0)
 
 
 def read_examples(dataset: Dataset, reading: Reading, vantage: Vantage = "block") -> Examples:

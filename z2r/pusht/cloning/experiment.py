@@ -13,7 +13,7 @@ import platform
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
@@ -21,27 +21,21 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import rich_click as click
-import torch
 from rich.progress import track
 
-from z2r.arrays import Bools
 from z2r.format.dataset import Dataset, load
 from z2r.format.schema import Schema
-from z2r.pusht.beliefs import BELIEFS
 from z2r.pusht.cloning import sets
-from z2r.pusht.cloning.data import Examples, Vantage, read_examples
-from z2r.pusht.cloning.model import Policy, Scale, scale_of, train
+from z2r.pusht.cloning.data import Examples, Vantage, read_examples, scale_of
+from z2r.pusht.cloning.model import Policy, train, use_one_thread
 from z2r.pusht.cloning.results import Result, read_results, table_of, write_results
 from z2r.pusht.cloning.rollout import roll_out, stand_still
+from z2r.pusht.cloning.rows import ROWS, TRAININGS, Play, Training
 from z2r.pusht.simulator.replayed import Rollout
-from z2r.pusht.task import CONTROL_HZ
 from z2r.pusht.world import PUSHT
-from z2r.reading.breaks import BREAK_MODES, BreakMode
-from z2r.reading.inspection import inspect_dataset
 
 FIRST_START = 100_000  # far from the seeds of all demonstrations
 SHARE_DAMAGED = 0.3
-ONE_FRAME = 6  # inputs that one frame holds: the others come from the frame before
 SAVED = 3  # rollouts of each row, of the first seed
 
 
@@ -58,160 +52,6 @@ class Size(NamedTuple):
 
 FULL = Size(few=400, many=2000, batches=4000, many_batches=20000, starts=100, seeds=3)
 SMOKE = Size(few=10, many=12, batches=5, many_batches=5, starts=2, seeds=1)
-
-
-def _all(dataset: Dataset) -> Bools:
-    return np.ones(len(dataset.episodes), dtype=bool)
-
-
-def _reached(mode: str | None, dataset: Dataset) -> Bools:
-    """Tell which episodes reached the goal, as somebody reads them who gets one thing wrong, or none."""
-    outcome = inspect_dataset(dataset, BREAK_MODES[mode] if mode else None, PUSHT).outcome
-    assert outcome is not None
-    return outcome.reached
-
-
-def _as_many_at_random(select: Callable[[Dataset], Bools], dataset: Dataset) -> Bools:
-    drawn = np.random.default_rng(sets.KIND_SEED).permutation(len(dataset.episodes))
-    chosen: Bools = drawn < select(dataset).sum()
-    return chosen
-
-
-def _as_many_shortest(select: Callable[[Dataset], Bools], dataset: Dataset) -> Bools:
-    order = dataset.episodes.lengths.argsort(kind="stable")
-    chosen: Bools = order.argsort() < select(dataset).sum()
-    return chosen
-
-
-def _numbered(numbers: Callable[[Path], Sequence[int]], dataset: Dataset) -> Bools:
-    return np.isin(np.arange(len(dataset.episodes)), numbers(dataset.root))
-
-
-KEPT = partial(_numbered, sets.kept_by_audit)
-UNNAMED = partial(_numbered, sets.named_by_none)
-REACHED = partial(_reached, None)
-
-
-def _eightfold(scale: Scale, _: Path) -> Scale:
-    """Take the first input, the pusher's place across the block, for eight times as widely spread as it is."""
-    return replace(scale, inputs=scale.inputs * np.array([8.0, *np.ones(len(scale.inputs) - 1)]))
-
-
-def _without_the_past(scale: Scale, _: Path) -> Scale:
-    """Let all that one frame does not hold be 0, however large it is."""
-    past = np.arange(len(scale.inputs)) >= ONE_FRAME
-    return replace(scale, inputs=np.where(past, np.inf, scale.inputs))
-
-
-def _of_another_set(_: Scale, folder: Path) -> Scale:
-    return scale_of(read_examples(load(folder / "sets/failing"), PUSHT))
-
-
-@dataclass(frozen=True)
-class Play:
-    """A way to play a policy: one row of the table.
-
-    Attributes
-    ----------
-    row : str
-        The name of the row.
-    mode : BreakMode, optional
-        How observations are read wrong.
-    fps : int
-        How many actions are played in a second.
-    more : int
-        From how many times as many starts.
-    scale : callable, optional
-        Takes the scale that the policy was trained with, and OUT; returns the one that it is played with.
-    """
-
-    row: str
-    mode: BreakMode | None = None
-    fps: int = CONTROL_HZ
-    more: int = 1
-    scale: Callable[[Scale, Path], Scale] | None = None
-
-
-@dataclass(frozen=True)
-class Training:
-    """A policy: what it learns from, and how it is played.
-
-    Attributes
-    ----------
-    plays : tuple of Play
-        At least one.
-    source : str
-        The set of demonstrations.
-    mode : BreakMode, optional
-        How they are read wrong.
-    select : callable
-        Which of their episodes are used.
-    many : bool
-        Whether it learns from many, rather than from few.
-    vantage : str
-        From where the scene is seen.
-    scale : callable, optional
-        Takes the scale of what it learns from, and OUT; returns the one to train with.
-    """
-
-    plays: tuple[Play, ...]
-    source: str = "clean"
-    mode: BreakMode | None = None
-    select: Callable[[Dataset], Bools] = _all
-    many: bool = False
-    vantage: Vantage = "block"
-    scale: Callable[[Scale, Path], Scale] | None = None
-
-
-def _plain(row: str, mode: BreakMode | None = None, **options: Any) -> Training:
-    """Return a training whose policy is played as it should be."""
-    return Training((Play(row),), mode=mode, **options)
-
-
-_YAW = BREAK_MODES["yaw-swap"]
-_MODES = {"early-1": BREAK_MODES["action-lag"], **BELIEFS}
-_FAULTY = (*sets.FAULTS, "mixture")
-
-TRAININGS: tuple[Training, ...] = (
-    Training(
-        (
-            Play("right"),
-            Play("fps-30-at-rollout", fps=3 * CONTROL_HZ),
-            Play("yaw-swap-at-rollout", _YAW),
-            Play("scale-of-another-set-at-rollout", scale=_of_another_set),
-            Play("scale-eightfold-at-rollout", scale=_eightfold),
-        )
-    ),
-    _plain("scale-eightfold-throughout", scale=_eightfold),
-    Training((Play("yaw-swap-in-training"), Play("yaw-swap-throughout", _YAW)), mode=_YAW),
-    *(_plain(name, BREAK_MODES[name]) for name in ("drop-boundaries", "inclusive-end")),
-    *(_plain(name, mode) for name, mode in _MODES.items()),
-    _plain("idle-tenth", source="idle"),
-    _plain("idle-tenth-unnamed", source="idle", select=UNNAMED),
-    _plain("damaged-tenth", source="tenth"),
-    _plain("damaged-tenth-unnamed", source="tenth", select=UNNAMED),
-    _plain("failed-kept", source="failing"),
-    _plain("failed-dropped", source="failing", select=REACHED),
-    _plain("failed-dropped-by-degrees", source="failing", select=partial(_reached, "degrees-for-radians")),
-    _plain("failed-as-many-at-random", source="failing", select=partial(_as_many_at_random, REACHED)),
-    *(_plain(f"faulty-{name}", source=name) for name in _FAULTY),
-    *(_plain(f"faulty-{name}-unnamed", source=name, select=UNNAMED) for name in _FAULTY),
-    _plain("faulty-mixture-kept", source="mixture", select=KEPT),
-    _plain("faulty-mixture-as-many-at-random", source="mixture", select=partial(_as_many_at_random, UNNAMED)),
-    _plain("faulty-mixture-as-many-shortest", source="mixture", select=partial(_as_many_shortest, UNNAMED)),
-    _plain("one-frame", scale=_without_the_past),
-    _plain("from-the-table", vantage="table"),
-    Training(
-        (Play("from-the-table-yaw-swap-in-training"), Play("from-the-table-yaw-swap-throughout", _YAW)),
-        mode=_YAW,
-        vantage="table",
-    ),
-    Training((Play("right-2000", more=2),), many=True),
-    _plain("drop-boundaries-2000", BREAK_MODES["drop-boundaries"], many=True),
-    _plain("late-2-2000", BELIEFS["late-2"], many=True),
-    _plain("late-5-2000", BELIEFS["late-5"], many=True),
-    Training((Play("yaw-swap-in-training-2000"), Play("yaw-swap-throughout-2000", _YAW)), mode=_YAW, many=True),
-)
 
 
 def make_sets(folder: Path, size: Size) -> None:
@@ -247,7 +87,7 @@ def measure(folder: Path, size: Size, number: int, seed: int) -> list[Result]:
     seed : int
         Draws the first weights and the batches.
     """
-    torch.set_num_threads(1)  # one for each process: two policies side by side are quicker than one after the other
+    use_one_thread()  # two policies side by side are quicker than one after the other
     began, training = time.process_time(), TRAININGS[number]
     batches = size.many_batches if training.many else size.batches
     dataset = load(folder / "sets" / training.source).first(size.many if training.many else size.few)
@@ -309,11 +149,8 @@ def save_rollouts(path: Path, rollouts: Sequence[Rollout]) -> None:
     np.savez_compressed(path, **arrays)
 
 
-_ROWS = [play.row for training in TRAININGS for play in training.plays]
-
-
 def _place(result: Result) -> tuple[int, int]:
-    return _ROWS.index(result.row), result.seed
+    return list(ROWS).index(result.row), result.seed
 
 
 def _stack() -> str:
@@ -324,7 +161,7 @@ def _stack() -> str:
 @click.command()
 @click.argument("out", type=click.Path(path_type=Path, file_okay=False))
 @click.option("--smoke", is_flag=True, help="All rows, so small that they say nothing.")
-@click.option("--row", type=click.Choice(_ROWS), metavar="NAME", help="Measure this row alone.")
+@click.option("--row", type=click.Choice([*ROWS]), metavar="NAME", help="Measure this row alone.")
 @click.option(
     "--jobs", type=click.IntRange(min=1), default=os.cpu_count() or 1, show_default=True, metavar="N", help="Processes."
 )

@@ -7,13 +7,18 @@ to nothing: both average out the noise that the demonstrations have on their act
 import copy
 from dataclasses import dataclass
 
-import numpy as np
-import torch
-from torch import Tensor, nn
-from torch.nn import functional
-
 from z2r.arrays import Array, Floats
-from z2r.pusht.cloning.data import CHUNK, MIRROR, MIRROR_ACTION, Examples
+from z2r.errors import MissingExtraError
+from z2r.pusht.cloning.data import CHUNK, MIRROR, MIRROR_ACTION, Examples, Scale, scale_of
+
+try:
+    import torch
+    from torch import Tensor, nn
+    from torch.nn import functional
+except ModuleNotFoundError as error:
+    raise MissingExtraError(
+        f"training needs {error.name}, which is not installed. In a clone of the course: pip install '.[train]'"
+    ) from error
 
 WIDTH, DEPTH = 512, 3
 BATCH = 256
@@ -21,30 +26,6 @@ RATE, DECAY = 2e-3, 1e-2  # of AdamW
 WARM_UP = 0.05  # of all steps, until the step size is RATE
 HALF = torch.cpu._is_avx512_bf16_supported()  # products in bfloat16, where the processor has it: three times as quick
 MEMORY = 0.999  # of the mean of the weights: about the last thousand steps
-
-
-@dataclass(frozen=True)
-class Scale:
-    """What numbers are divided by before a network sees them, and what its answers are multiplied with.
-
-    Nothing is subtracted: what is mirrored has a mean of 0.
-
-    Attributes
-    ----------
-    inputs : ndarray, float64[13]
-        Root mean square of each input.
-    action : float
-        Root mean square of all actions [m/s].
-    """
-
-    inputs: Floats
-    action: float
-
-
-def scale_of(examples: Examples) -> Scale:
-    """Measure the scale of some examples; 1 for what is always 0."""
-    size = np.sqrt(np.mean(examples.inputs**2, axis=0))
-    return Scale(np.where(size > 0, size, 1.0), float(np.sqrt(np.mean(examples.actions[examples.there] ** 2))) or 1.0)
 
 
 class Residual(nn.Module):
@@ -116,6 +97,11 @@ def train(examples: Examples, steps: int, seed: int, scale: Scale | None = None)
         schedule.step()
         _follow(mean, learner, min(MEMORY, (1 + step) / (10 + step)))
     return Policy(mean, scale)
+
+
+def use_one_thread() -> None:
+    """Let this process compute on one core."""
+    torch.set_num_threads(1)
 
 
 @torch.no_grad()
