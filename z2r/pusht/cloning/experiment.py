@@ -50,7 +50,7 @@ class Size(NamedTuple):
     seeds: int
 
 
-FULL = Size(few=400, many=2000, batches=4000, many_batches=20000, starts=100, seeds=3)
+FULL = Size(few=400, many=2000, batches=5000, many_batches=15000, starts=100, seeds=3)
 SMOKE = Size(few=10, many=12, batches=5, many_batches=5, starts=2, seeds=1)
 
 

@@ -22,7 +22,7 @@ except ModuleNotFoundError as error:
 
 WIDTH, DEPTH = 512, 3
 BATCH = 256
-RATE, DECAY = 2e-3, 1e-2  # of AdamW
+RATE, DECAY = 3e-3, 1e-2  # of AdamW
 WARM_UP = 0.05  # of all steps, until the step size is RATE
 HALF = torch.cpu._is_avx512_bf16_supported()  # products in bfloat16, where the processor has it: three times as quick
 MEMORY = 0.999  # of the mean of the weights: about the last thousand steps

@@ -1,7 +1,7 @@
 """Does a policy do it? The simulator runs it from starts that it has not seen, and says how each of them ends.
 
-All starts are played side by side: the network is asked once for all of them, and half of what it says is played
-before it is asked again.
+All starts are played side by side: the network is asked once for all of them, and most of what it says is
+played before it is asked again.
 """
 
 from collections.abc import Callable, Sequence
@@ -16,7 +16,7 @@ from z2r.pusht.simulator.replayed import Rollout
 from z2r.pusht.task import ACTION_LIMIT, CONTROL_HZ, MAX_STEPS
 from z2r.reading.reading import Reading
 
-PLAYED = 4  # actions of a chunk
+PLAYED = 6  # actions of a chunk: asked again after each, a policy lingers where it has just been
 
 
 def roll_out(
