@@ -11,7 +11,7 @@ import importlib.metadata
 import os
 import platform
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import replace
 from functools import partial
@@ -28,10 +28,10 @@ from z2r.format.schema import Schema
 from z2r.pusht.cloning import sets
 from z2r.pusht.cloning.data import Examples, Vantage, read_examples, scale_of
 from z2r.pusht.cloning.model import Policy, train, use_one_thread
-from z2r.pusht.cloning.results import Result, read_results, table_of, write_results
+from z2r.pusht.cloning.results import SHOWN, Result, read_results, table_of, write_table
 from z2r.pusht.cloning.rollout import roll_out, stand_still
 from z2r.pusht.cloning.rows import ROWS, TRAININGS, Play, Training
-from z2r.pusht.simulator.replayed import Rollout
+from z2r.pusht.rollout import Rollout
 from z2r.pusht.world import PUSHT
 
 FIRST_START = 100_000  # far from the seeds of all demonstrations
@@ -51,7 +51,7 @@ class Size(NamedTuple):
 
 
 FULL = Size(few=400, many=2000, batches=5000, many_batches=15000, starts=100, seeds=3)
-SMOKE = Size(few=10, many=12, batches=5, many_batches=5, starts=2, seeds=1)
+SMOKE = Size(few=8, many=10, batches=3, many_batches=3, starts=1, seeds=1)
 
 
 def make_sets(folder: Path, size: Size) -> None:
@@ -69,8 +69,8 @@ def make_sets(folder: Path, size: Size) -> None:
         work[name] = partial(sets.write_damaged, source=clean, n_episodes=size.few, share=share, damages=done)
     for name in track([name for name in work if not (folder / name).exists()], "recording", transient=True):
         work[name](folder / name)
-    for name in damages:
-        sets.kept_by_audit(folder / name)
+    shares = {name: share for name, (_, share) in damages.items()}
+    write_table(folder.parent / "audited.csv", [sets.audited(folder / name, share) for name, share in shares.items()])
 
 
 def measure(folder: Path, size: Size, number: int, seed: int) -> list[Result]:
@@ -141,12 +141,21 @@ def _play(
 
 
 def save_rollouts(path: Path, rollouts: Sequence[Rollout]) -> None:
-    """Write some rollouts into one file: the states and actions of the first as ``states_0`` and ``actions_0``."""
+    """Write some rollouts into one file, the parts of the first as ``0/success``, ``0/states`` and ``0/actions``."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    states = {f"states_{number}": each.states for number, each in enumerate(rollouts)}
-    actions = {f"actions_{number}": each.actions.astype(np.float32) for number, each in enumerate(rollouts)}
-    arrays: dict[str, Any] = {"success": [each.success for each in rollouts], **states, **actions}
+    parts = {f"{number}/{name}": part for number, each in enumerate(rollouts) for name, part in each._asdict().items()}
+    arrays: dict[str, Any] = {name: np.float32(part) for name, part in parts.items()}
     np.savez_compressed(path, **arrays)
+
+
+def gather_rollouts(folder: Path) -> None:
+    """Put the rollouts of the rows that are shown into ``OUT/rollouts.npz``, as far as they are there."""
+    arrays: dict[str, Any] = {}
+    for path in (folder / "rollouts" / f"{row}.npz" for row in SHOWN):
+        if path.exists():
+            with np.load(path) as saved:
+                arrays |= {f"{path.stem}/{name}": saved[name] for name in saved}
+    np.savez_compressed(folder / "rollouts.npz", **arrays)
 
 
 def _place(result: Result) -> tuple[int, int]:
@@ -168,8 +177,10 @@ def _stack() -> str:
 def main(out: Path, *, smoke: bool, row: str | None, jobs: int) -> None:
     """Measure what each misreading costs, into `OUT/results.csv`; what stands there is not measured again."""
     size, table = SMOKE if smoke else FULL, out / "results.csv"
-    make_sets(out / "sets", size)
     done = read_results(table)
+    if any(each.batches not in (size.batches, size.many_batches) for each in done):
+        raise click.UsageError(f"{table} holds rows of another size: name another folder")
+    make_sets(out / "sets", size)
     there = {(each.row, each.seed) for each in done}
     wanted = [
         (number, seed)
@@ -178,12 +189,24 @@ def main(out: Path, *, smoke: bool, row: str | None, jobs: int) -> None:
         if any((play.row, seed) not in there and row in (None, play.row) for play in training.plays)
     ]
     click.echo(expectation(wanted, smoke=smoke))
-    with ProcessPoolExecutor(jobs, get_context("spawn")) as processes:
-        futures = [processes.submit(measure, out, size, *each) for each in wanted]
-        for future in track(as_completed(futures), "training", len(futures)):
-            done += [each for each in future.result() if (each.row, each.seed) not in there]
-            write_results(table, sorted(done, key=_place))
-    click.echo(table_of(sorted(done, key=_place)))
+    for results in track(_measured(out, size, wanted, jobs), "training", len(wanted)):
+        done += [each for each in results if (each.row, each.seed) not in there]
+        write_table(table, sorted(done, key=_place))
+    gather_rollouts(out)
+    click.echo(table_of([each for each in sorted(done, key=_place) if row in (None, each.row)]))
+
+
+def _measured(out: Path, size: Size, wanted: Sequence[tuple[int, int]], jobs: int) -> Iterator[list[Result]]:
+    """Measure policies, each as soon as there is a process for it; one at a time in this one."""
+    if jobs == 1:
+        yield from (measure(out, size, *each) for each in wanted)
+        return
+    processes = ProcessPoolExecutor(jobs, get_context("spawn"))
+    try:
+        for future in as_completed([processes.submit(measure, out, size, *each) for each in wanted]):
+            yield future.result()
+    finally:
+        processes.shutdown(cancel_futures=True)  # who stops it does not want to wait for hours
 
 
 def expectation(wanted: Sequence[tuple[int, int]], *, smoke: bool) -> str:

@@ -4,7 +4,8 @@
 """
 
 import csv
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from inspect import get_annotations
 from math import sqrt
 from pathlib import Path
 from typing import NamedTuple
@@ -12,8 +13,10 @@ from typing import NamedTuple
 import numpy as np
 
 from z2r.arrays import Floats
+from z2r.pusht.rollout import Rollout
 
-RESULTS = Path(__file__).with_name("results.csv")
+RESULTS, AUDITED, ROLLOUTS = (Path(__file__).with_name(name) for name in ("results.csv", "audited.csv", "rollouts.npz"))
+SHOWN = ("right", "drop-boundaries", "late-2", "late-5", "exchanged", "step-for-velocity", "yaw-swap-in-training")
 _Z = 1.959964  # of the normal distribution: 95 % lie within as many standard deviations
 
 
@@ -60,25 +63,76 @@ class Result(NamedTuple):
         return np.array([float(each) for each in self.outcomes])
 
 
+class Audited(NamedTuple):
+    """What `z2r audit` says of a set of demonstrations of which some were damaged.
+
+    Attributes
+    ----------
+    source : str
+        The set, called as what was done to it.
+    episodes, damaged : int
+        How many there are, and how many of them were damaged.
+    kept, kept_damaged : int
+        How many `--keep` leaves, those that no error is about, and how many of these are damaged.
+    unnamed, unnamed_damaged : int
+        How many no error and no warning names, and how many of these are damaged.
+    checks : str
+        Which checks name damaged episodes, and how many of them; how many whole ones behind a ``+``.
+    """
+
+    source: str
+    episodes: int
+    damaged: int
+    kept: int
+    kept_damaged: int
+    unnamed: int
+    unnamed_damaged: int
+    checks: str
+
+
 def read_results(path: Path = RESULTS) -> list[Result]:
     """Return all lines of a table, those that ship unless another is named; none where there is no file."""
+    return _read(path, Result)
+
+
+def read_audited(path: Path = AUDITED) -> list[Audited]:
+    """Return what the audit said of each set that was damaged, as it ships unless another file is named."""
+    return _read(path, Audited)
+
+
+def _read[T](path: Path, kind: Callable[..., T]) -> list[T]:
     if not path.exists():
         return []
+    kinds = get_annotations(kind)
     with path.open(newline="") as file:
-        return [Result(**{key: _KINDS[key](value) for key, value in line.items()}) for line in csv.DictReader(file)]
+        return [kind(**{key: kinds[key](value) for key, value in line.items()}) for line in csv.DictReader(file)]
 
 
-_KINDS = Result.__annotations__
-
-
-def write_results(path: Path, results: Sequence[Result]) -> None:
-    """Write a table, whole or not at all."""
+def write_table(path: Path, rows: Sequence[Result] | Sequence[Audited]) -> None:
+    """Write a table of at least one row, whole or not at all."""
     part = path.with_suffix(".part")
     with part.open("w", newline="") as file:
         lines = csv.writer(file, lineterminator="\n")
-        lines.writerow(Result._fields)
-        lines.writerows(results)
+        lines.writerow(rows[0]._fields)
+        lines.writerows(rows)
     part.replace(path)
+
+
+def read_rollout(row: str, number: int = 0, path: Path = ROLLOUTS) -> Rollout:
+    """Return how a policy of a row that is shown went from a start, with the same number in all rows.
+
+    Parameters
+    ----------
+    row : str
+        One of `SHOWN`.
+    number : int, optional
+        Which start: 0, 1 or 2.
+    path : Path, optional
+        The file, that which ships unless named.
+    """
+    with np.load(path) as arrays:
+        success, states, actions = (arrays[f"{row}/{number}/{part}"] for part in Rollout._fields)
+    return Rollout(bool(success), states, actions)
 
 
 def wilson(n_successes: int, n: int) -> tuple[float, float]:
@@ -149,11 +203,20 @@ class Cost(NamedTuple):
 
 
 def costs_of(results: Sequence[Result]) -> list[Cost]:
-    """Sum up each row over its seeds, and hold it against the right reading of as many demonstrations."""
-    by_row: dict[str, list[Result]] = {}
+    """Sum up each row over its seeds, and hold it against the right reading of as many demonstrations.
+
+    Where that is not among the results, it is the one that ships.
+    """
+    by_row = _by_row(results)
+    right = _by_row(read_results()) | by_row
+    return [_cost(rows, right["right-2000" if row.endswith("-2000") else "right"]) for row, rows in by_row.items()]
+
+
+def _by_row(results: Sequence[Result]) -> dict[str, list[Result]]:
+    rows: dict[str, list[Result]] = {}
     for each in results:
-        by_row.setdefault(each.row, []).append(each)
-    return [_cost(rows, by_row["right-2000" if row.endswith("-2000") else "right"]) for row, rows in by_row.items()]
+        rows.setdefault(each.row, []).append(each)
+    return rows
 
 
 def _cost(rows: list[Result], right: list[Result]) -> Cost:

@@ -18,6 +18,7 @@ from z2r.arrays import Progress, no_progress
 from z2r.format.dataset import load
 from z2r.format.schema import ACTION, STATE
 from z2r.format.store import exists, folder_for, write
+from z2r.pusht.cloning.results import Audited
 from z2r.pusht.simulator.recorder import new_dataset, record
 from z2r.pusht.task import DEMO_NOISE, MAX_STEPS, TASK
 
@@ -118,6 +119,27 @@ def named_by_none(root: Path) -> list[int]:
     said = _audit(root)
     named = {number for each in said["findings"] if each["severity"] != "note" for number in each["episodes"]}
     return [number for number in range(said["n_episodes"]) if number not in named]
+
+
+def audited(root: Path, share: float) -> Audited:
+    """Hold what the audit says of a set against what was done to a share of it."""
+    said = _audit(root)
+    damaged = {*damaged_episodes(said["n_episodes"], share)}
+    kept, unnamed = kept_by_audit(root), named_by_none(root)
+    named: dict[str, set[int]] = {}
+    for each in said["findings"]:
+        if each["severity"] != "note":
+            named.setdefault(each["check"], set()).update(each["episodes"])
+    return Audited(
+        source=root.name,
+        episodes=said["n_episodes"],
+        damaged=len(damaged),
+        kept=len(kept),
+        kept_damaged=len(damaged.intersection(kept)),
+        unnamed=len(unnamed),
+        unnamed_damaged=len(damaged.intersection(unnamed)),
+        checks="; ".join(f"{check} {len(of & damaged)}+{len(of - damaged)}" for check, of in named.items()),
+    )
 
 
 def _audit(root: Path) -> dict[str, Any]:

@@ -5,37 +5,18 @@ misreading here may still cost a policy everything, and the other way round.
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from z2r.arrays import Floats
 from z2r.format.dataset import Dataset
 from z2r.format.schema import ACTION
+from z2r.pusht.rollout import Rollout
 from z2r.pusht.simulator.env import PushTEnv
 from z2r.pusht.task import CONTROL_HZ
 from z2r.reading.breaks import BreakMode
 
 STANDS_STILL = 1.0  # s, after the last action: a robot is where it is when its replay ends
-
-
-class Rollout(NamedTuple):
-    """How one start went.
-
-    Attributes
-    ----------
-    success : bool
-        The simulator's verdict.
-    states : ndarray, float32[n_steps + 1, 10]
-        What was observed, from the start to the end, in the order of ``STATE_NAMES``.
-    actions : ndarray, float64[n_steps, 2]
-        What was done [m/s].
-    """
-
-    success: bool
-    states: NDArray[np.float32]
-    actions: Floats
 
 
 def replay(dataset: Dataset, seeds: Sequence[int], mode: BreakMode | None = None) -> list[Rollout]:
