@@ -11,7 +11,7 @@ import importlib.metadata
 import os
 import platform
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import replace
 from functools import partial
@@ -23,6 +23,7 @@ import numpy as np
 import rich_click as click
 from rich.progress import track
 
+from z2r.data import STANDIN
 from z2r.format.dataset import Dataset, load
 from z2r.format.schema import Schema
 from z2r.pusht.cloning import sets
@@ -32,7 +33,9 @@ from z2r.pusht.cloning.results import SHOWN, Result, read_results, table_of, wri
 from z2r.pusht.cloning.rollout import roll_out, stand_still
 from z2r.pusht.cloning.rows import ROWS, TRAININGS, Play, Training
 from z2r.pusht.rollout import Rollout
+from z2r.pusht.simulator.replayed import MODES, replay
 from z2r.pusht.world import PUSHT
+from z2r.reading.verdict import read_verdict
 
 FIRST_START = 100_000  # far from the seeds of all demonstrations
 SHARE_DAMAGED = 0.3
@@ -98,7 +101,7 @@ def measure(folder: Path, size: Size, number: int, seed: int) -> list[Result]:
     for play in training.plays:
         rollouts = _play(policy, play, training.vantage, folder, dataset.schema, size.starts)
         if seed == 0:
-            save_rollouts(folder / "rollouts" / f"{play.row}.npz", rollouts[:SAVED])
+            save_rollouts(folder / "rollouts" / f"{play.row}.npz", {play.row: rollouts[:SAVED]})
         now = time.process_time()
         results.append(
             Result(
@@ -140,22 +143,23 @@ def _play(
     return roll_out(policy or stand_still, starts, reading, schema, vantage, play.fps)
 
 
-def save_rollouts(path: Path, rollouts: Sequence[Rollout]) -> None:
-    """Write some rollouts into one file, the parts of the first as ``0/success``, ``0/states`` and ``0/actions``."""
+def save_rollouts(path: Path, rollouts: Mapping[str, Sequence[Rollout]], more: Mapping[str, Any] | None = None) -> None:
+    """Write rollouts into one file, each part of the first one of a row as ``ROW/0/PART``; and `more`, as it is."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    parts = {f"{number}/{name}": part for number, each in enumerate(rollouts) for name, part in each._asdict().items()}
-    arrays: dict[str, Any] = {name: np.float32(part) for name, part in parts.items()}
+    each = {f"{row}/{number}": rollout for row, rows in rollouts.items() for number, rollout in enumerate(rows)}
+    parts = {f"{name}/{part}": value for name, rollout in each.items() for part, value in rollout._asdict().items()}
+    arrays: dict[str, Any] = {name: np.float32(value) for name, value in parts.items()} | dict(more or {})
     np.savez_compressed(path, **arrays)
 
 
 def gather_rollouts(folder: Path) -> None:
-    """Put the rollouts of the rows that are shown into ``OUT/rollouts.npz``, as far as they are there."""
-    arrays: dict[str, Any] = {}
-    for path in (folder / "rollouts" / f"{row}.npz" for row in SHOWN):
-        if path.exists():
-            with np.load(path) as saved:
-                arrays |= {f"{path.stem}/{name}": saved[name] for name in saved}
-    np.savez_compressed(folder / "rollouts.npz", **arrays)
+    """Put the rollouts of the rows that are shown, as far as they are there, and replays into `OUT/rollouts.npz`."""
+    paths = [folder / "rollouts" / f"{row}.npz" for row in SHOWN]
+    shown = {name: value for path in paths if path.exists() for name, value in np.load(path).items()}
+    standin, recording = load(STANDIN), read_verdict(STANDIN)
+    seeds = [episode.seed or 0 for episode in recording.episodes] if recording else []
+    replays = {f"replay/{name}": replay(standin, seeds, mode) for name, mode in MODES.items()}
+    save_rollouts(folder / "rollouts.npz", replays, shown)
 
 
 def _place(result: Result) -> tuple[int, int]:

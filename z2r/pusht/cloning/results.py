@@ -124,9 +124,9 @@ def read_rollout(row: str, number: int = 0, path: Path = ROLLOUTS) -> Rollout:
     Parameters
     ----------
     row : str
-        One of `SHOWN`.
+        One of `SHOWN`; or ``replay/`` and a mode of `z2r.pusht.simulator.replayed`, for the actions of `standin`.
     number : int, optional
-        Which start: 0, 1 or 2.
+        Which start, 0 to 2, or which episode of `standin`.
     path : Path, optional
         The file, that which ships unless named.
     """

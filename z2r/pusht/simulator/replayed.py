@@ -11,10 +11,18 @@ import numpy as np
 from z2r.arrays import Floats
 from z2r.format.dataset import Dataset
 from z2r.format.schema import ACTION
+from z2r.pusht.beliefs import BELIEFS
 from z2r.pusht.rollout import Rollout
 from z2r.pusht.simulator.env import PushTEnv
 from z2r.pusht.task import CONTROL_HZ
-from z2r.reading.breaks import BreakMode
+from z2r.reading.breaks import BREAK_MODES, BreakMode
+
+MODES: dict[str, BreakMode | None] = {
+    "as-recorded": None,
+    **{name: BREAK_MODES[name] for name in ("inclusive-end", "wrong-fps", "action-lag")},
+    **BELIEFS,
+}
+"""What the actions of an episode can be taken for, by name."""
 
 STANDS_STILL = 1.0  # s, after the last action: a robot is where it is when its replay ends
 
