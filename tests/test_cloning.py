@@ -8,6 +8,7 @@ import pytest
 import z2r
 from z2r.format.episodes import EpisodeIndex
 from z2r.pusht.beliefs import BELIEFS
+from z2r.pusht.cloning import rows, sets
 from z2r.pusht.cloning.data import CHUNK, MIRROR, MIRROR_ACTION, axes, cut, inputs, read_examples, scale_of, see, turn
 from z2r.pusht.cloning.results import (
     ROLLOUTS,
@@ -23,7 +24,7 @@ from z2r.pusht.cloning.results import (
 )
 from z2r.pusht.cloning.rows import ROWS, TRAININGS
 from z2r.pusht.simulator.env import PushTEnv
-from z2r.pusht.simulator.replayed import replay
+from z2r.pusht.simulator.replayed import play, replay
 from z2r.pusht.task import CONTROL_HZ, PHYSICS_HZ, STATE_NAMES, TARGET_POSE
 from z2r.reading.breaks import BREAK_MODES
 from z2r.reading.verdict import read_verdict
@@ -171,6 +172,11 @@ def test_at_another_rate_a_step_is_as_much_shorter_and_success_must_last_as_long
     once = slow.step((0.3, 0.2)).observation
     fast.step((0.3, 0.2))
     np.testing.assert_array_equal(fast.step((0.3, 0.2)).observation, once)
+    dataset = z2r.load(z2r.STANDIN)
+    action = dataset.read("action")[dataset.episodes[0]]
+    [seed, *_] = seeds_of(dataset)
+    half_steps = len(play(np.repeat(action, 2, axis=0), seed, fps=2 * CONTROL_HZ).actions)
+    assert abs(half_steps - 2 * len(play(action, seed).actions)) <= 1
     with pytest.raises(ValueError, match=f"expected 1 to {PHYSICS_HZ}"):
         PushTEnv(fps=0)
 
@@ -231,6 +237,32 @@ def results_of(row, results):
     return [each for each in results if each.row == row]
 
 
+def test_what_is_held_against_the_unnamed_are_as_many(standin):
+    def three(dataset):
+        return np.array((True, False, True, True, False, False))
+
+    at_random, shortest = rows._as_many_at_random(three, standin), rows._as_many_shortest(three, standin)
+    assert at_random.sum() == shortest.sum() == 3
+    assert standin.episodes.lengths[shortest].max() <= standin.episodes.lengths[~shortest].min()
+
+
+def test_every_damage_does_what_it_says(standin):
+    state, action = standin.read("observation.state"), standin.read("action")
+    one, other = ((state[standin.episodes[each]], action[standin.episodes[each]]) for each in (0, 1))
+    n = len(one[0])
+    for damage in sets.FAULTS.values():
+        seen, done = damage(one, other)
+        assert (seen.shape, done.shape) == ((n, 10), (n, 2))
+        assert np.array_equal(seen, one[0]) != np.array_equal(done, one[1])  # one of the two is as it was
+    np.testing.assert_array_equal(sets.late(one, other)[1][sets.LATE :], one[1][: -sets.LATE])
+    np.testing.assert_array_equal(sets.actions_of_another(one, other)[1][: len(other[1])], other[1][:n])
+    assert (sets.frozen(one, other)[0][n // 3 :] == one[0][n // 3]).all()
+    assert np.abs(sets.leaping(one, other)[0] - one[0]).max() == pytest.approx(sets.LEAP, abs=1e-6)
+    seen, done = sets.idle(one, other)
+    np.testing.assert_array_equal(seen, np.tile(one[0][0], (sets.IDLE_FRAMES, 1)))
+    assert not done.any()
+
+
 def test_every_row_has_another_name():
     names = [play.row for training in TRAININGS for play in training.plays]
     assert len(set(names)) == len(names)
@@ -251,8 +283,9 @@ def model():
 def test_a_policy_learns_what_it_is_shown(model, standin):
     examples = read_examples(standin, PUSH)
     policy = model.train(examples, steps=60, seed=0)
-    wrong = ((policy(examples.inputs) - examples.actions) ** 2)[examples.there].mean()
-    assert wrong < 0.8 * (examples.actions**2)[examples.there].mean()
+    for flip, flip_action in ((1, 1), (MIRROR, MIRROR_ACTION)):  # and it knows the mirrored ones as well
+        wrong = ((policy(examples.inputs * flip) - examples.actions * flip_action) ** 2)[examples.there].mean()
+        assert wrong < 0.8 * (examples.actions**2)[examples.there].mean()
     again = model.train(examples, steps=60, seed=0)
     np.testing.assert_array_equal(policy(examples.inputs), again(examples.inputs))
 
@@ -319,6 +352,13 @@ def test_one_command_makes_the_whole_table_and_goes_on_where_it_stopped(model, t
     first = read_results(tmp_path / "results.csv")
     assert [each.row for each in first] == [*ROWS]
     assert read_rollout("late-2", 0, tmp_path / "rollouts.npz").states.shape[1] == len(STATE_NAMES)
+    clean, late = (z2r.load(tmp_path / "sets" / name) for name in ("clean", "late"))
+    damaged = sets.damaged_episodes(8, 0.3)
+    assert len(damaged) == 2
+    actions = [
+        (clean.read("action")[clean.episodes[each]], late.read("action")[late.episodes[each]]) for each in range(8)
+    ]
+    assert [each for each, (one, other) in enumerate(actions) if not np.array_equal(one, other)] == damaged
     leaping = next(each for each in read_audited(tmp_path / "audited.csv") if each.source == "leaping")
     assert leaping.damaged > 0 == leaping.kept_damaged
 
