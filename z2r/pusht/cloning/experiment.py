@@ -32,7 +32,7 @@ from z2r.pusht.cloning.model import Policy, train, use_one_thread
 from z2r.pusht.cloning.results import SHOWN, Result, read_results, table_of, write_table
 from z2r.pusht.cloning.rollout import roll_out, stand_still
 from z2r.pusht.cloning.rows import ROWS, TRAININGS, Play, Training
-from z2r.pusht.rollout import Rollout
+from z2r.pusht.played import Rollout
 from z2r.pusht.simulator.replayed import MODES, replay
 from z2r.pusht.world import PUSHT
 from z2r.reading.verdict import read_verdict

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from z2r.arrays import Floats
-from z2r.pusht.rollout import Rollout
+from z2r.pusht.played import Rollout
 
 RESULTS, AUDITED, ROLLOUTS = (Path(__file__).with_name(name) for name in ("results.csv", "audited.csv", "rollouts.npz"))
 SHOWN = ("right", "drop-boundaries", "late-2", "late-5", "exchanged", "step-for-velocity", "yaw-swap-in-training")

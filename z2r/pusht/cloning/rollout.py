@@ -11,7 +11,7 @@ import numpy as np
 from z2r.arrays import Floats
 from z2r.format.schema import Schema
 from z2r.pusht.cloning.data import CHUNK, Vantage, axes, inputs, see, turn
-from z2r.pusht.rollout import Rollout
+from z2r.pusht.played import Rollout
 from z2r.pusht.simulator.env import PushTEnv
 from z2r.pusht.task import ACTION_LIMIT, CONTROL_HZ, MAX_STEPS
 from z2r.reading.reading import Reading

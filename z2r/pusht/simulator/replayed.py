@@ -12,7 +12,7 @@ from z2r.arrays import Floats
 from z2r.format.dataset import Dataset
 from z2r.format.schema import ACTION
 from z2r.pusht.beliefs import BELIEFS
-from z2r.pusht.rollout import Rollout
+from z2r.pusht.played import Rollout
 from z2r.pusht.simulator.env import PushTEnv
 from z2r.pusht.task import CONTROL_HZ
 from z2r.reading.breaks import BREAK_MODES, BreakMode
