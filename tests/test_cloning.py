@@ -135,6 +135,7 @@ def test_the_other_beliefs(standin):
     first = standin.episodes[1]
     np.testing.assert_allclose(step[first][:-1], np.diff(state[first, :2], axis=0), atol=1e-7)
     assert not step[standin.episodes.to_index - 1].any()
+    np.testing.assert_allclose(believed_action(standin, "velocity-by-30-fps"), 30 * step, atol=1e-5)
 
 
 # --- the same actions again
@@ -203,7 +204,7 @@ def test_a_difference_is_paired():
 
 
 def result(row, seed, outcomes):
-    return Result(row, 400, seed, outcomes, 9.5, 27000, 5000, 0.7, "a machine; torch 2", "python -m x")
+    return Result(row, 400, seed, outcomes, 9.5, 27000, 5000, 0.7, "a machine; torch 2", "python -m x", "right")
 
 
 def test_a_table_survives_its_file_and_is_summed_up_by_row(tmp_path):

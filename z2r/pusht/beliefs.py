@@ -9,9 +9,11 @@ from functools import partial
 import numpy as np
 
 from z2r.arrays import Floats
+from z2r.errors import count
 from z2r.format.episodes import EpisodeIndex
 from z2r.format.misread import Misread
 from z2r.format.schema import ACTION, STATE, Schema
+from z2r.pusht.task import CONTROL_HZ
 from z2r.reading.breaks import BreakMode
 from z2r.reading.reading import Reading
 
@@ -34,8 +36,8 @@ def _in_centimetres(action: Floats, _: Floats, __: EpisodeIndex) -> Floats:
     return action / 100
 
 
-def _steps(_: Floats, pusher: Floats, episodes: EpisodeIndex) -> Floats:
-    steps = np.diff(pusher, axis=0, append=pusher[-1:])
+def _steps(times: int, _: Floats, pusher: Floats, episodes: EpisodeIndex) -> Floats:
+    steps = times * np.diff(pusher, axis=0, append=pusher[-1:])
     steps[episodes.to_index - 1] = 0.0  # what comes after the last frame of an episode is another one
     return steps
 
@@ -58,7 +60,7 @@ BELIEFS: dict[str, BreakMode] = {
         *(
             _belief(
                 f"late-{by}",
-                f"actions that are stored {by} frames late belong to the frames that they are stored in",
+                f"actions that are stored {count(by, 'frame')} late belong to the frames that they are stored in",
                 "the action explains a step that was made before it",
                 partial(_stored_late, by),
             )
@@ -80,7 +82,19 @@ BELIEFS: dict[str, BreakMode] = {
             "step-for-velocity",
             "how far the pusher moved until the next frame [m] is the action [m/s]",
             "the pusher moves ten times as far as it is asked to",
-            _steps,
+            partial(_steps, 1),
+        ),
+        *(
+            _belief(
+                f"velocity-by-{fps}-fps",
+                f"the action is how far the pusher moved until the next frame, times {fps}",
+                says,
+                partial(_steps, fps),
+            )
+            for fps, says in (
+                (CONTROL_HZ, "what is asked for is what is done, without the noise of a command"),
+                (3 * CONTROL_HZ, "the pusher moves a third as far as it is asked to"),
+            )
         ),
     )
 }

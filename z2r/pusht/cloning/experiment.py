@@ -115,6 +115,7 @@ def measure(folder: Path, size: Size, number: int, seed: int) -> list[Result]:
                 minutes=round((now - began) / 60, 2),
                 stack=_stack(),
                 command=f"python -m z2r.pusht.cloning.experiment OUT --row {play.row}",
+                against=play.against,
             )
         )
         began = now  # the first row of a policy bears its training
@@ -129,7 +130,8 @@ def _examples(dataset: Dataset, training: Training) -> Examples:
 
 def _learn(examples: Examples, training: Training, batches: int, seed: int, folder: Path) -> Policy:
     scale = scale_of(examples)
-    return train(examples, batches, seed, training.scale(scale, folder) if training.scale else scale)
+    scale = training.scale(scale, folder) if training.scale else scale
+    return train(examples, batches, seed, scale, with_mirror=training.mirror)
 
 
 def _play(

@@ -61,7 +61,7 @@ class Policy:
         return actions * self.scale.action
 
 
-def train(examples: Examples, steps: int, seed: int, scale: Scale | None = None) -> Policy:
+def train(examples: Examples, steps: int, seed: int, scale: Scale | None = None, *, with_mirror: bool = True) -> Policy:
     """Fit a policy to examples.
 
     Parameters
@@ -74,6 +74,8 @@ def train(examples: Examples, steps: int, seed: int, scale: Scale | None = None)
         Draws the first weights and the batches.
     scale : Scale, optional
         That of the examples unless given.
+    with_mirror : bool, optional
+        Whether each example is shown mirrored half of the time.
     """
     scale = scale or scale_of(examples)
     x, there = _tensor(examples.inputs / scale.inputs), _tensor(examples.there)[..., None]
@@ -85,7 +87,7 @@ def train(examples: Examples, steps: int, seed: int, scale: Scale | None = None)
     schedule = torch.optim.lr_scheduler.OneCycleLR(optimizer, RATE, total_steps=steps, pct_start=WARM_UP)
     for step in range(steps):
         rows = torch.randint(len(x), (BATCH,))
-        mirrored = torch.rand(BATCH, 1) < 0.5
+        mirrored = torch.rand(BATCH, 1) < (0.5 if with_mirror else 0.0)
         batch = torch.where(mirrored, x[rows] * _tensor(MIRROR), x[rows])  # (B, 13)
         wanted = torch.where(mirrored[..., None], y[rows] * _tensor(MIRROR_ACTION), y[rows])  # (B, CHUNK, 2)
         with torch.autocast("cpu", torch.bfloat16, enabled=HALF):

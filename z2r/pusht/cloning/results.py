@@ -44,6 +44,8 @@ class Result(NamedTuple):
         The machine, and the versions that matter.
     command : str
         What measures it again.
+    against : str
+        The row that it is held against.
     """
 
     row: str
@@ -56,6 +58,7 @@ class Result(NamedTuple):
     minutes: float
     stack: str
     command: str
+    against: str
 
     @property
     def succeeded(self) -> Floats:
@@ -184,7 +187,9 @@ class Cost(NamedTuple):
     seeds : tuple of float
         The rate of each training seed.
     cost : tuple of float
-        From `paired_difference`: the rate less that of the right reading, and between which that lies.
+        From `paired_difference`: the rate less that of the row that it is held against, and between which that lies.
+    against : str
+        That row.
     """
 
     row: str
@@ -195,6 +200,7 @@ class Cost(NamedTuple):
     high: float
     seeds: tuple[float, ...]
     cost: tuple[float, float, float]
+    against: str
 
     @property
     def rate(self) -> float:
@@ -203,13 +209,10 @@ class Cost(NamedTuple):
 
 
 def costs_of(results: Sequence[Result]) -> list[Cost]:
-    """Sum up each row over its seeds, and hold it against the right reading of as many demonstrations.
-
-    Where that is not among the results, it is the one that ships.
-    """
+    """Sum up each row over its seeds, and hold it against another; where that is not among them, the one that ships."""
     by_row = _by_row(results)
-    right = _by_row(read_results()) | by_row
-    return [_cost(rows, right["right-2000" if row.endswith("-2000") else "right"]) for row, rows in by_row.items()]
+    others = _by_row(read_results()) | by_row
+    return [_cost(rows, others[rows[0].against]) for rows in by_row.values()]
 
 
 def _by_row(results: Sequence[Result]) -> dict[str, list[Result]]:
@@ -219,10 +222,10 @@ def _by_row(results: Sequence[Result]) -> dict[str, list[Result]]:
     return rows
 
 
-def _cost(rows: list[Result], right: list[Result]) -> Cost:
+def _cost(rows: list[Result], others: list[Result]) -> Cost:
     seen = np.stack([each.succeeded for each in rows])  # (n_seeds, n_starts)
-    n_starts = min(seen.shape[1], *(len(each.outcomes) for each in right))
-    against = np.stack([each.succeeded[:n_starts] for each in right])
+    n_starts = min(seen.shape[1], *(len(each.outcomes) for each in others))
+    against = np.stack([each.succeeded[:n_starts] for each in others])
     return Cost(
         rows[0].row,
         rows[0].demonstrations,
@@ -231,17 +234,19 @@ def _cost(rows: list[Result], right: list[Result]) -> Cost:
         *wilson(int(seen.sum()), seen.size),
         tuple(seen.mean(axis=1).tolist()),
         paired_difference(seen[:, :n_starts], against),
+        rows[0].against,
     )
 
 
 def table_of(results: Sequence[Result]) -> str:
     """Write the table in Markdown."""
-    lines = ["| row | demonstrations | success | 95 % | each seed | against the right reading |", "| --- " * 6 + "|"]
+    lines = ["| row | demonstrations | success | 95 % | each seed | difference | from |", "| --- " * 7 + "|"]
     for each in costs_of(results):
         seeds = ", ".join(f"{rate:.0%}" for rate in each.seeds)
         difference, low, high = (100 * value for value in each.cost)
         lines.append(
             f"| {each.row} | {each.demonstrations:,} | {each.n_successes} of {each.n_rollouts}, {each.rate:.0%} |"
-            f" {each.low:.0%} to {each.high:.0%} | {seeds} | {difference:+.0f} ({low:+.0f} to {high:+.0f}) points |"
+            f" {each.low:.0%} to {each.high:.0%} | {seeds} |"
+            f" {difference:+.0f} ({low:+.0f} to {high:+.0f}) points | {each.against} |"
         )
     return "\n".join(lines)

@@ -53,7 +53,7 @@ def _numbered(numbers: Callable[[Path], Sequence[int]], dataset: Dataset) -> Boo
 
 KEPT = partial(_numbered, sets.kept_by_audit)
 UNNAMED = partial(_numbered, sets.named_by_none)
-REACHED = partial(_reached, None)
+REACHED, REACHED_BY_DEGREES = partial(_reached, None), partial(_reached, "degrees-for-radians")
 
 
 def _eightfold(scale: Scale, _: Path) -> Scale:
@@ -81,6 +81,8 @@ class Play:
         The name of the row.
     says : str
         What is wrong, in a few words.
+    against : str
+        The row that it is held against.
     mode : BreakMode, optional
         How observations are read wrong.
     fps : int
@@ -93,6 +95,7 @@ class Play:
 
     row: str
     says: str
+    against: str = "right"
     mode: BreakMode | None = None
     fps: int = CONTROL_HZ
     more: int = 1
@@ -117,6 +120,8 @@ class Training:
         Whether it learns from many, rather than from few.
     vantage : str
         From where the scene is seen.
+    mirror : bool
+        Whether it learns from mirrored examples too.
     scale : callable, optional
         Takes the scale of what it learns from, and OUT; returns the one to train with.
     """
@@ -127,19 +132,39 @@ class Training:
     select: Callable[[Dataset], Bools] = _all
     many: bool = False
     vantage: Vantage = "block"
+    mirror: bool = True
     scale: Callable[[Scale, Path], Scale] | None = None
 
 
-def _plain(row: str, says: str, mode: BreakMode | None = None, **options: Any) -> Training:
+def _one(row: str, says: str, mode: BreakMode | None = None, against: str = "right", **options: Any) -> Training:
     """Return a training whose policy is played as it should be."""
-    return Training((Play(row, says),), mode=mode, **options)
+    return Training((Play(row, says, against),), mode=mode, **options)
 
 
-_YAW = BREAK_MODES["yaw-swap"]
-_FILES = {name: BREAK_MODES[name] for name in ("drop-boundaries", "inclusive-end")}
-_ACTIONS = {"early-1": BREAK_MODES["action-lag"], **BELIEFS}
-_FAULTY = (*sets.FAULTS, "mixture")
-_MANY = {name: {**_FILES, **_ACTIONS}[name] for name in ("drop-boundaries", "late-2", "late-5")}
+def _yaw(before: str = "", after: str = "", against: str = "right", **options: Any) -> Training:
+    """Swap the yaw in training, and play the policy both rightly and as it was trained."""
+    alone, too = "the yaw is atan2(cos, sin); then right at rollout", "the yaw is atan2(cos, sin), at rollout too"
+    plays = (
+        Play(f"{before}yaw-swap-in-training{after}", alone, against),
+        Play(f"{before}yaw-swap-throughout{after}", too, against, mode=_SWAP),
+    )
+    return Training(plays, mode=_SWAP, **options)
+
+
+_SWAP = BREAK_MODES["yaw-swap"]
+_MODES = {
+    **{name: BREAK_MODES[name] for name in ("drop-boundaries", "inclusive-end")},
+    "early-1": BREAK_MODES["action-lag"],
+    **BELIEFS,
+}
+_TELLING = ("drop-boundaries", "late-2", "late-5")
+_FAULTY = {
+    "actions-of-another": "have the actions of another",
+    "frozen": "stand still from a third of them on, while the actions go on",
+    "late": f"have actions that are stored {sets.LATE} frames late",
+    "leaping": "have a block that leaps in every tenth frame",
+    "mixture": "are faulty in one of these ways",
+}
 _NONE = "without those that an error or a warning names"
 
 TRAININGS: tuple[Training, ...] = (
@@ -147,73 +172,48 @@ TRAININGS: tuple[Training, ...] = (
         (
             Play("right", "nothing is wrong"),
             Play("fps-30-at-rollout", "three times as many actions are played in a second", fps=3 * CONTROL_HZ),
-            Play("yaw-swap-at-rollout", "right in training; then the yaw is atan2(cos, sin)", _YAW),
+            Play("yaw-swap-at-rollout", "right in training; then the yaw is atan2(cos, sin)", mode=_SWAP),
             Play("scale-of-another-set-at-rollout", "scaled as a noisier recording is", scale=_of_another_set),
             Play("scale-eightfold-at-rollout", "one input is divided by 8 times too much", scale=_eightfold),
         )
     ),
-    _plain("scale-eightfold-throughout", "the same in training and at rollout", scale=_eightfold),
-    Training(
-        (
-            Play("yaw-swap-in-training", "the yaw is atan2(cos, sin); then right at rollout"),
-            Play("yaw-swap-throughout", "the yaw is atan2(cos, sin), at rollout too", _YAW),
-        ),
-        mode=_YAW,
+    _one("scale-eightfold-throughout", "the same in training and at rollout", scale=_eightfold),
+    _yaw(),
+    *(_one(name, mode.assumption, mode) for name, mode in _MODES.items()),
+    _one("idle-tenth", "in a tenth of the episodes nobody moves", source="idle"),
+    _one("idle-tenth-unnamed", f"the same, {_NONE}", against="idle-tenth", source="idle", select=UNNAMED),
+    _one("damaged-tenth", "a tenth of the episodes have the actions of another", source="tenth"),
+    _one("damaged-tenth-unnamed", f"the same, {_NONE}", against="damaged-tenth", source="tenth", select=UNNAMED),
+    _one("failed-kept", "noisier demonstrations, 3 in 10 of which fail", source="failing"),
+    *(
+        _one(f"failed-{name}", f"the same, {says}", against="failed-kept", source="failing", select=select)
+        for name, says, select in (
+            ("dropped", "those that reached the goal", REACHED),
+            ("dropped-by-degrees", "those that reached it with a tolerance in degrees", REACHED_BY_DEGREES),
+            ("as-many-at-random", "as many as reached it, at random", partial(_as_many_at_random, REACHED)),
+        )
     ),
-    *(_plain(name, mode.assumption, mode) for name, mode in {**_FILES, **_ACTIONS}.items()),
-    _plain("idle-tenth", "in a tenth of the episodes nobody moves", source="idle"),
-    _plain("idle-tenth-unnamed", f"the same, {_NONE}", source="idle", select=UNNAMED),
-    _plain("damaged-tenth", "a tenth of the episodes have the actions of another", source="tenth"),
-    _plain("damaged-tenth-unnamed", f"the same, {_NONE}", source="tenth", select=UNNAMED),
-    _plain("failed-kept", "noisier demonstrations, 3 in 10 of which fail", source="failing"),
-    _plain("failed-dropped", "the same, those that reached the goal", source="failing", select=REACHED),
-    _plain(
-        "failed-dropped-by-degrees",
-        "the same, those that reached it with a tolerance in degrees",
-        source="failing",
-        select=partial(_reached, "degrees-for-radians"),
+    *(_one(f"faulty-{name}", f"3 in 10 episodes {says}", source=name) for name, says in _FAULTY.items()),
+    *(
+        _one(f"faulty-{name}-unnamed", f"the same, {_NONE}", against=f"faulty-{name}", source=name, select=UNNAMED)
+        for name in _FAULTY
     ),
-    _plain(
-        "failed-as-many-at-random",
-        "the same, as many as reached the goal, at random",
-        source="failing",
-        select=partial(_as_many_at_random, REACHED),
+    *(
+        _one(f"faulty-mixture-{name}", f"the same, {says}", against="faulty-mixture", source="mixture", select=select)
+        for name, says, select in (
+            ("kept", "what z2r audit --keep leaves", KEPT),
+            ("as-many-at-random", "as many as are not named, at random", partial(_as_many_at_random, UNNAMED)),
+            ("as-many-shortest", "as many as are not named, the shortest", partial(_as_many_shortest, UNNAMED)),
+        )
     ),
-    *(_plain(f"faulty-{name}", f"3 in 10 episodes are faulty: {name}", source=name) for name in _FAULTY),
-    *(_plain(f"faulty-{name}-unnamed", f"the same, {_NONE}", source=name, select=UNNAMED) for name in _FAULTY),
-    _plain("faulty-mixture-kept", "the same, what z2r audit --keep leaves", source="mixture", select=KEPT),
-    _plain(
-        "faulty-mixture-as-many-at-random",
-        "the same, as many as are not named, at random",
-        source="mixture",
-        select=partial(_as_many_at_random, UNNAMED),
-    ),
-    _plain(
-        "faulty-mixture-as-many-shortest",
-        "the same, as many as are not named, the shortest",
-        source="mixture",
-        select=partial(_as_many_shortest, UNNAMED),
-    ),
-    _plain("one-frame", "one frame in, and no action before it", scale=_without_the_past),
-    _plain("from-the-table", "seen from the table, not from the block", vantage="table"),
-    Training(
-        (
-            Play("from-the-table-yaw-swap-in-training", "the same; the yaw is atan2(cos, sin), then right at rollout"),
-            Play("from-the-table-yaw-swap-throughout", "the same; the yaw is atan2(cos, sin), at rollout too", _YAW),
-        ),
-        mode=_YAW,
-        vantage="table",
-    ),
-    Training((Play("right-2000", "nothing is wrong", more=2),), many=True),
-    *(_plain(f"{name}-2000", _MANY[name].assumption, _MANY[name], many=True) for name in _MANY),
-    Training(
-        (
-            Play("yaw-swap-in-training-2000", "the yaw is atan2(cos, sin); then right at rollout"),
-            Play("yaw-swap-throughout-2000", "the yaw is atan2(cos, sin), at rollout too", _YAW),
-        ),
-        mode=_YAW,
-        many=True,
-    ),
+    _one("one-frame", "one frame in, and no action before it", scale=_without_the_past),
+    _one("no-mirror", "no example is mirrored", mirror=False),
+    _one("from-the-table", "seen from the table, not from the block", vantage="table"),
+    _one("plain", "seen from the table, and no example is mirrored", vantage="table", mirror=False),
+    _yaw("plain-", against="plain", vantage="table", mirror=False),
+    Training((Play("right-2000", "nothing is wrong", "right-2000", more=2),), many=True),
+    *(_one(f"{name}-2000", _MODES[name].assumption, _MODES[name], "right-2000", many=True) for name in _TELLING),
+    _yaw(after="-2000", against="right-2000", many=True),
 )
 
 ROWS: dict[str, str] = {play.row: play.says for training in TRAININGS for play in training.plays}
