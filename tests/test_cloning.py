@@ -339,6 +339,17 @@ def test_recorded_chunks_played_by_a_policy_do_what_they_did(standin):
     assert rollout.success
 
 
+def test_the_time_that_it_states_is_what_was_measured_or_none(model, monkeypatch):
+    from z2r.pusht.cloning import experiment
+
+    measured = [result(play.row, 0, "1")._replace(minutes=1.5) for play in TRAININGS[0].plays]
+    monkeypatch.setattr(experiment, "read_results", lambda: measured)
+    total = round(1.5 * len(TRAININGS[0].plays))
+    assert f"measured: {total} minutes of one core (a machine" in experiment.expectation([(0, 0)], smoke=False)
+    for wanted, smoke in (([(0, 1)], False), ([(0, 0), (1, 0)], False), ([(0, 0)], True)):
+        assert "not yet measured" in experiment.expectation(wanted, smoke=smoke)
+
+
 def run(*options):
     from click.testing import CliRunner
 
