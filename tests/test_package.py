@@ -33,7 +33,7 @@ FLOORS = [
     ["cli"],
 ]
 FLOOR = {name: number for number, floor in enumerate(FLOORS) for name in floor}
-SIMULATOR = "pusht.simulator"
+SIMULATOR, CLONING = "pusht.simulator", "pusht.cloning"
 
 
 def module_name(path: Path) -> str:
@@ -61,7 +61,10 @@ def test_imports_point_downwards(module):
         there = imported.split(".")[0]
         assert there == here or FLOOR[there] < FLOOR[here], f"{module} imports {imported}"
         if imported.startswith(SIMULATOR):
-            assert module.startswith(SIMULATOR) or module == "cli", f"{module} imports the simulator's {imported}"
+            by_right = module.startswith((SIMULATOR, CLONING)) or module == "cli"
+            assert by_right, f"{module} imports the simulator's {imported}"
+        if imported.startswith(CLONING):
+            assert module.startswith(CLONING), f"{module} imports {imported}"
 
 
 def test_no_modules_import_each_other_in_a_circle():
@@ -102,6 +105,11 @@ def test_reading_loads_nothing_that_it_does_not_need():
     assert not loaded & {"pandas", "torch", "lerobot", "mujoco", "datasets", "rerun", "matplotlib", "pyarrow.dataset"}
     assert not loaded & {"pyarrow.compute", "jinja2"}
     assert "pyarrow" in loaded
+
+
+def test_what_was_measured_is_read_without_what_measures():
+    loaded = loaded_by("from z2r.pusht.cloning.results import read_results; read_results()")
+    assert not loaded & {"torch", "mujoco", "lerobot", "rich"}
 
 
 def test_a_test_that_opens_no_browser_needs_none():
@@ -171,6 +179,7 @@ def test_the_extras_are_made_of_one_another():
     assert requirements("view") == {"matplotlib", "rerun-sdk"}
     assert requirements("all") == requirements("view", "video", "remote")
     assert requirements("record") == requirements("sim") | {"lerobot"}
+    assert requirements("train") == requirements("record") | {"torch"}
     assert requirements("notebook") == requirements("view", "sim")
     assert requirements("course") == requirements("notebook") | {"jupyterlab", "jupytext", "nbclient"}
 

@@ -54,7 +54,6 @@ START_GAP = 0.02  # m: at least this much free space between pusher, block and w
 
 # The corner of the T that is farthest from its origin [m].
 _TEE_REACH = math.hypot(STEM_HALF_SIZE[0], abs(STEM_CENTER[1]) + STEM_HALF_SIZE[1])
-_SUBSTEPS = PHYSICS_HZ // CONTROL_HZ
 # Addresses in qpos, in the order in which the scene declares the joints.
 _PUSHER = slice(0, 2)
 _TEE = slice(2, 5)
@@ -165,17 +164,24 @@ class PushTEnv:
     ----------
     max_steps : int
         Control steps after which an episode times out, at least 1.
+    fps : int
+        Control steps in a second, 1 to ``PHYSICS_HZ``: as near as whole steps of physics allow. Other than at
+        ``CONTROL_HZ``, the block must be in tolerance for as long as ``SUCCESS_HOLD`` steps last there.
 
     Raises
     ------
     ValueError
-        If `max_steps` is less than 1.
+        If `max_steps` is less than 1, or `fps` is out of range.
     """
 
-    def __init__(self, max_steps: int = MAX_STEPS) -> None:
+    def __init__(self, max_steps: int = MAX_STEPS, fps: int = CONTROL_HZ) -> None:
         if max_steps < 1:
             raise ValueError(f"max_steps is {max_steps}; expected at least 1")
+        if not 1 <= fps <= PHYSICS_HZ:
+            raise ValueError(f"fps is {fps}; expected 1 to {PHYSICS_HZ}")
         self.max_steps = max_steps
+        self._substeps = PHYSICS_HZ // fps
+        self._hold = math.ceil(SUCCESS_HOLD * fps / CONTROL_HZ)
         self._model = mujoco.MjModel.from_xml_string(scene_xml())
         self._data = mujoco.MjData(self._model)
         self._steps = 0
@@ -192,6 +198,11 @@ class PushTEnv:
     def success(self) -> bool:
         """Whether success has been latched in this episode: the simulator's own verdict."""
         return self._success
+
+    @property
+    def running(self) -> bool:
+        """Whether an episode has begun and is not over."""
+        return self._running
 
     @property
     def pos_err(self) -> float:
@@ -269,10 +280,10 @@ class PushTEnv:
         if not np.isfinite(velocity).all():
             raise ValueError(f"action is {velocity}; expected finite velocities [m/s]")
         self._data.ctrl[:] = np.clip(velocity, -ACTION_LIMIT, ACTION_LIMIT)
-        mujoco.mj_step(self._model, self._data, nstep=_SUBSTEPS)
+        mujoco.mj_step(self._model, self._data, nstep=self._substeps)
         self._steps += 1
         self._held = self._held + 1 if self.in_tolerance else 0
-        self._success = self._held >= SUCCESS_HOLD
+        self._success = self._held >= self._hold
         timed_out = not self._success and self._steps >= self.max_steps
         self._running = not (self._success or timed_out)
         return StepResult(self._observation(), self._success, timed_out, self.pos_err, self.ang_err)

@@ -10,7 +10,7 @@ import importlib.metadata
 import os
 import platform
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -67,16 +67,16 @@ def record(
     out = Path(out).resolve()
     if out.exists():
         _check_may_go(out, replace=replace)
-    env, expert, create_dataset = _load_extras(max_steps)
-    with folder_for(out, verdict_path(out)) as folder, _no_progress_bars():
-        dataset = create_dataset(folder / out.name)
-        verdicts = []
-        try:
+    _check_extras()
+    from z2r.pusht.simulator.env import PushTEnv
+    from z2r.pusht.simulator.expert import ScriptedExpert
+
+    env, expert, verdicts = PushTEnv(max_steps), ScriptedExpert(), []
+    with folder_for(out, verdict_path(out)) as folder:
+        with new_dataset(folder / out.name) as dataset:
             for seed in seeds:
                 verdicts.append(record_episode(dataset, env, expert, seed, noise))
                 progress(len(verdicts), len(seeds))
-        finally:
-            dataset.finalize()  # in any case: LeRobot would do it later, and write into a folder that is gone
         recording = Recording(_command(out, seeds, noise, max_steps), _stack(), verdicts)
         write_verdict(folder / out.name, recording)
     return recording
@@ -121,6 +121,38 @@ def _check_may_go(out: Path, *, replace: bool) -> None:
 
 
 @contextlib.contextmanager
+def new_dataset(root: Path) -> Iterator[Any]:
+    """Lend an empty PushT dataset, to write episodes into; whole as soon as it is given back.
+
+    Raises
+    ------
+    MissingExtraError
+        If mujoco or lerobot is not installed.
+    """
+    _check_extras()
+    from lerobot.datasets.lerobot_dataset import LeRobotDataset
+
+    features = {
+        STATE: {"dtype": "float32", "shape": (len(STATE_NAMES),), "names": list(STATE_NAMES)},
+        ACTION: {"dtype": "float32", "shape": (len(ACTION_NAMES),), "names": list(ACTION_NAMES)},
+    }
+    with _no_progress_bars():
+        dataset = LeRobotDataset.create(
+            repo_id="z2r/pusht",
+            root=root,
+            fps=CONTROL_HZ,
+            features=features,
+            robot_type="pusht",
+            use_videos=False,
+            video_backend="pyav",  # unused, but unless one is named LeRobot probes for FFmpeg and prints what it lacks
+        )
+        try:
+            yield dataset
+        finally:
+            dataset.finalize()  # in any case: LeRobot would do it later, and write into a folder that is gone
+
+
+@contextlib.contextmanager
 def _no_progress_bars() -> Iterator[None]:
     """Keep the `datasets` library from drawing one bar for each episode."""
     import datasets
@@ -134,35 +166,16 @@ def _no_progress_bars() -> Iterator[None]:
             datasets.enable_progress_bars()
 
 
-def _load_extras(max_steps: int) -> tuple[Any, Any, Callable[[Path], Any]]:
+def _check_extras() -> None:
     try:
         with warnings.catch_warnings():
             warnings.filterwarnings("ignore", message="IProgress not found")  # of a bar that is not drawn either
-            from lerobot.datasets.lerobot_dataset import LeRobotDataset
-
-        from z2r.pusht.simulator.env import PushTEnv
-        from z2r.pusht.simulator.expert import ScriptedExpert
+            import lerobot.datasets.lerobot_dataset  # noqa: F401
+            import mujoco  # noqa: F401
     except ModuleNotFoundError as error:
         raise MissingExtraError(
             f"recording needs {error.name}, which is not installed. In a clone of the course: pip install '.[record]'"
         ) from error
-    features = {
-        STATE: {"dtype": "float32", "shape": (len(STATE_NAMES),), "names": list(STATE_NAMES)},
-        ACTION: {"dtype": "float32", "shape": (len(ACTION_NAMES),), "names": list(ACTION_NAMES)},
-    }
-
-    def create_dataset(root: Path) -> Any:
-        return LeRobotDataset.create(
-            repo_id="z2r/pusht",
-            root=root,
-            fps=CONTROL_HZ,
-            features=features,
-            robot_type="pusht",
-            use_videos=False,
-            video_backend="pyav",  # unused, but unless one is named LeRobot probes for FFmpeg and prints what it lacks
-        )
-
-    return PushTEnv(max_steps), ScriptedExpert(), create_dataset
 
 
 def _command(out: Path, seeds: Sequence[int], noise: float, max_steps: int) -> str:
