@@ -501,7 +501,8 @@ def test_only_what_is_whole_can_be_believed_wrong(standin_copy):
 def test_every_check_is_made_to_fail_by_some_damage():
     named = {check for damage in DAMAGES.values() for check in damage.checks.split()}
     of_cameras = {part.check.name for part in parts_in(cameras, pictures)}  # which `test_cameras.py` damages
-    elsewhere = of_cameras | set(MADE_TO_FAIL) | {"velocity"}  # of motion: `test_motion.py` and `test_scales.py`
+    # Of motion: `test_motion.py`, `test_scales.py` and `test_relations.py`.
+    elsewhere = of_cameras | set(MADE_TO_FAIL) | {"velocity", "relation"}
     assert (named | {check for check, _ in BREAKS.values()}) - elsewhere == set(CHECKS) - elsewhere - {AUDIT.name}
 
 
