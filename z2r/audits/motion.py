@@ -36,6 +36,7 @@ _IDLE = 0.05  # of the usual motion
 _HOMES = 8  # episodes, from which one can be told to begin elsewhere
 _HOMES_APART = 6  # times as far as the episodes of one place are from each other
 _ONE_APART = 1.2  # times as far, of one episode: of twelve that begin anywhere, one does so once in some hundred times
+_SHIFTED = 0.5  # of how far the episodes of one place are from each other
 _FAR_HOME = 0.08  # of a column's range
 _AWAY = 4  # steps: what gets there in fewer is a velocity, and may begin anywhere
 _FEW = 0.2  # of the episodes
@@ -210,7 +211,10 @@ def something_happens(runs: Runs) -> Iterator[Answer]:
         yield _fault(runs, f"{STATE} in {_named(runs, wrong)}", wrong, found, "motion, as in the other episodes", mend)
 
 
-@Check("elsewhere", "every episode begins where the others do, if they all begin at one place", "warning").of(Runs)
+ELSEWHERE = Check("elsewhere", "every episode begins where the others do, if they all begin at one place", "warning")
+
+
+@ELSEWHERE.of(Runs)
 def episodes_begin_at_one_place(runs: Runs) -> Iterator[Answer]:
     """Do some episodes begin far from where all the others begin? Then a calibration, a sign or an order may differ."""
     if STATE not in runs.steps or len(runs.number) < _HOMES:
@@ -242,6 +246,31 @@ def episodes_begin_at_one_place(runs: Runs) -> Iterator[Answer]:
             runs, place, wrong, f"a first frame at {here:.3g}", f"one at about {there:.3g}, as in the others", mend
         )
         yield fault if surely and len(few) <= _FEW * len(runs.number) else ("note", fault)
+
+
+@ELSEWHERE.of(Runs)
+def episodes_are_not_shifted(runs: Runs) -> Iterator[Answer]:
+    """Do a column's first, lowest and highest value all lie beyond those of the other episodes, on the same side?"""
+    if STATE not in runs.steps or len(runs.number) < _HOMES:
+        return
+    stats, size = runs.stats[STATE], runs.claims.schema.features[STATE].size
+    ranges = runs.spans(STATE)
+    for column in np.flatnonzero(_continuous(runs, STATE)).tolist():
+        seen = np.stack([_marks(runs, size)[:, 0, column], stats.low[:, column], stats.high[:, column]])  # (3, n_runs)
+        order = np.argsort(seen[1], kind="stable")
+        cut = int(np.diff(seen[1, order]).argmax()) + 1
+        below, above = seen[:, order[:cut]], seen[:, order[cut:]]
+        gap, spread = above.min(axis=1) - below.max(axis=1), np.maximum(np.ptp(below, axis=1), np.ptp(above, axis=1))
+        few = min(order[:cut], order[cut:], key=len)
+        wrong = np.isin(np.arange(len(order)), few)
+        by = float(np.median(seen[1, wrong]) - np.median(seen[1, ~wrong]))
+        goes = np.median(stats.high[:, column] - stats.low[:, column])  # where it hardly does, each rests at its own
+        apart = (gap >= np.maximum(_SHIFTED * spread, _SHARE * ranges[column])).all()
+        if apart and goes >= abs(by) and _share_a_task(runs, wrong):
+            found = f"a first, a lowest and a highest value that are all {'higher' if by > 0 else 'lower'}, by {by:.3g}"
+            mend = "Was it calibrated anew, or is another tool or another zero set there?"
+            place = f"{_dim(runs, STATE, column)} in {_named(runs, wrong)}"
+            yield "note", _fault(runs, place, wrong, found, "some among those of the others", mend)
 
 
 @Check("limits", "a column stays within the limits that a reading declares", "warning").of(Runs)
