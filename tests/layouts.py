@@ -69,7 +69,7 @@ def record_with_lerobot(root: Path, lengths: Sequence[int], file_size_in_mb: flo
     for length in lengths:
         for _ in range(length):
             observation, act = next(frames)
-            dataset.add_frame({"observation.state": observation, "action": act, "task": "test"})
+            dataset.add_frame({"observation.state": observation, "action": act, "task": "push it"})
         dataset.save_episode()
     dataset.finalize()
 
@@ -107,7 +107,7 @@ def write_dataset(
     frames: Frames,
     lengths: Sequence[int],
     layout: Layout,
-    tasks: Sequence[str] = ("test",),
+    tasks: Sequence[str] = ("push it",),
     **info: Any,
 ) -> None:
     """Write the features of all frames as episodes of these lengths, with everything else as it has to be.

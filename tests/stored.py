@@ -74,6 +74,6 @@ def record(root: Path, shape: str) -> None:
         columns = {"observation.state": way[:-1], "action": way[1:]}
         columns |= {name: values[:, None] for name, values in labels(n, success).items()}
         for frame in range(n):
-            dataset.add_frame({name: values[frame] for name, values in columns.items()} | {"task": "test"})
+            dataset.add_frame({name: values[frame] for name, values in columns.items()} | {"task": "push it"})
         dataset.save_episode()
     dataset.finalize()

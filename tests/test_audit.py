@@ -192,7 +192,7 @@ def test_nothing_is_said_of_columns_that_stand_still_as_lerobot_sums_them_up(n_f
     dataset = LeRobotDataset.create(**where, fps=30, features=features, use_videos=False)
     for length in (n_frames, n_frames + 1):  # two of one length would be one demonstration twice
         for _ in range(length):
-            dataset.add_frame({STATE: still, "action": still, "task": "test"})
+            dataset.add_frame({STATE: still, "action": still, "task": "push it"})
         dataset.save_episode()
     dataset.finalize()
     silent(tmp_path / "dataset")
@@ -212,7 +212,7 @@ def test_nothing_is_said_of_a_matrix_that_lerobot_records(tmp_path):
     where = {"repo_id": "test/test", "root": tmp_path / "dataset", "video_backend": "pyav"}
     dataset = LeRobotDataset.create(**where, fps=10, features=features, use_videos=False)
     for matrix, action in np.random.default_rng(0).normal(size=(60, 2, 4, 5)).astype(np.float32):
-        dataset.add_frame({"observation.matrix": matrix, "action": action, "task": "test"})
+        dataset.add_frame({"observation.matrix": matrix, "action": action, "task": "push it"})
     dataset.save_episode()
     dataset.finalize()
     silent(tmp_path / "dataset")

@@ -315,7 +315,7 @@ def test_nothing_is_said_of_what_lerobot_writes_and_it_reads_what_is_laid_out_he
         states = wander(episode, n_frames)
         for state, *views in zip(states, *(film(camera, episode, states) for camera in CAMERAS), strict=True):
             seen = dict(zip(CAMERAS, views, strict=True))
-            written.add_frame({"observation.state": state, "action": state, "task": "test"} | seen)
+            written.add_frame({"observation.state": state, "action": state, "task": "push it"} | seen)
         written.save_episode()
     written.finalize()
     assert len(list(tmp_path.rglob("*.mp4"))) > len(CAMERAS)

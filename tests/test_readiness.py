@@ -267,7 +267,7 @@ def test_what_lerobot_itself_rounds_is_told_where_a_policy_sees_it_in_another_si
     for length in (140, 150):
         for moved in 10 * np.sin(np.arange(length) / 10):
             values = np.array([moved, 1.7e5 + moved], dtype=np.float32)
-            dataset.add_frame({STATE: values, "action": values, "task": "test"})
+            dataset.add_frame({STATE: values, "action": values, "task": "push it"})
         dataset.save_episode()
     dataset.finalize()
     for finding in (findings := found(tmp_path / "dataset", "stats")):

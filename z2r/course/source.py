@@ -47,7 +47,7 @@ def show_source(thing: Callable[..., Any] | type) -> Source:
     'z2r/reading/angles.py#decode_yaw'
     """
     text = inspect.getsource(thing)
-    file = Path(inspect.getfile(thing)).relative_to(_PACKAGE.parent).as_posix()
+    file = Path(inspect.getfile(inspect.unwrap(thing))).relative_to(_PACKAGE.parent).as_posix()
     source = Source(_without_docstring(text).rstrip())
     source.fingerprint = f"{file}#{thing.__qualname__} · {hashlib.sha256(text.encode()).hexdigest()[:8]}…"
     return source
