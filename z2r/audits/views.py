@@ -79,7 +79,7 @@ def unlike(cameras: Mapping[str, Mapping[int, Glance]]) -> dict[str, list[Unlike
     for camera, own in views.items():
         others = {f"like those of {name}": other for name, other in views.items() if name != camera}
         turned = _turned(own, others)
-        left = own.only(~np.isin(own.rows, [row for each in turned for row in each.rows.tolist()]))
+        left = _but(own, turned)
         strangers = [
             (said, _middle(other.views[some]))
             for said, other in others.items()
@@ -87,8 +87,14 @@ def unlike(cameras: Mapping[str, Mapping[int, Glance]]) -> dict[str, list[Unlike
             if some.any()
         ]
         seen = cameras[camera]
-        found[camera] = [*turned, *_unlike_views(left, strangers), *_blurred(left, seen), *_dark(left, seen)]
+        unlike_others = [*turned, *_unlike_views(left, strangers)]
+        found[camera] = [*unlike_others, *_blurred(left, seen), *_dark(_but(own, unlike_others), seen)]
     return found
+
+
+def _but(own: _Views, told: list[Unlike]) -> _Views:
+    """Leave out those of which something is told."""
+    return own.only(~np.isin(own.rows, [row for each in told for row in each.rows.tolist()]))
 
 
 def _turned(own: _Views, others: Mapping[str, _Views]) -> list[Unlike]:
@@ -245,7 +251,7 @@ def _blurred(own: _Views, seen: Mapping[int, Glance]) -> Iterator[Unlike]:
 def _dark(own: _Views, seen: Mapping[int, Glance]) -> Iterator[Unlike]:
     """Find those that are far darker or brighter than the others. That may be daylight, so nobody is sure."""
     level = np.array([max(float(np.median(seen[row].level)), 1) for row in own.rows.tolist()])
-    odd = differ(np.log(level)[:, None], _LEVELS_APART)
+    odd = differ(np.log(level)[:, None], _LEVELS_APART) if len(level) >= _MIN_EPISODES else np.zeros(0, dtype=bool)
     if odd.any():
         said = f"of a brightness of {np.median(level[odd]):.0f} of 255, where {np.median(level[~odd]):.0f} is usual"
         yield Unlike(own.rows[odd], own.rows[~odd], said, few=False)
