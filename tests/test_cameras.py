@@ -754,6 +754,12 @@ def under_lamps(camera: str, episode: int, states: np.ndarray) -> Iterator[np.nd
     )
 
 
+def hunting(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
+    """An autofocus that loses the scene for six frames out of sixteen."""
+    pictures = enumerate(film(camera, episode, states))
+    return (out_of_focus(each).astype(np.uint8) if frame % 16 < 6 else each for frame, each in pictures)
+
+
 def smeared(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
     """Packets are lost: for some frames, a row is repeated down to the lower edge."""
     for frame, picture in enumerate(film(camera, episode, states)):
@@ -802,6 +808,12 @@ SEEN = {
         "camera-leap",
         "note",
         r"in episode 3: found a brightness that goes up and down by \d\d of 255",
+    ),
+    "a focus that hunts": (
+        only(hunting, 3),
+        "camera-leap",
+        "note",
+        r"in episode 3: found pictures of which some have \d\d% of the usual sharpness",
     ),
     "packets lost": (only(smeared, 3), "camera-leap", "note", r"in episode 3: found \d+ leaps of \d\d of 255"),
     "hung for a while": (

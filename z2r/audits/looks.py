@@ -47,6 +47,7 @@ _MUCH, _AS_FAR = 8, 0.9  # of 255, by which pictures differ; and of what they di
 _FEW, _ALONE, _FOR_GOOD = 4, 4, 0.25  # pictures; times what most differ by; of a leap, what stays of it
 _BREAKS, _FARTHER = 2, 2  # leaps, and times as far as half an episode makes
 _SWINGS = 8  # of 255: what light and shutter make of a picture from one to the next
+_BLURRED = 0.6  # of the sharpness that an episode has most of the time
 _MORE_THAN_NOISE = 1.5  # of 255
 _BACK = 0.95  # of the farther one of two steps, the way of both
 _TINY = 1e-9  # of it
@@ -79,11 +80,11 @@ class Look(NamedTuple):
         Which feature it is, and where they are stored.
     number : ndarray, int64[n_episodes]
         What the dataset calls the episodes.
-    flat, still, blank, dark, hung, slow, flicker, broken, leap, swing, disorder, astray : Suspects
+    flat, still, blank, dark, hung, slow, flicker, broken, leap, swing, focus, disorder, astray : Suspects
         Where they are of one colour, or noise; stay the same although the robot moves; some of them are of one colour,
         or noise; some of them are black; stay the same for a while; do so again and again; differ from one to the next;
-        do so at times; are others from some frame on; get brighter and darker all the time; are not in their order; do
-        not go with the robot.
+        do so at times; are others from some frame on; get brighter and darker all the time; are blurred at times; are
+        not in their order; do not go with the robot.
     mend : str
         How to be surer; empty where it is sure.
     fits : float
@@ -110,6 +111,7 @@ class Look(NamedTuple):
     broken: Suspects = _NOBODY
     leap: Suspects = _NOBODY
     swing: Suspects = _NOBODY
+    focus: Suspects = _NOBODY
     disorder: Suspects = _NOBODY
     astray: Suspects = _NOBODY
     fits: float = np.nan
@@ -227,7 +229,7 @@ def _way(places: Floats) -> Floats:
 def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths: Mapping[int, _Path]) -> Look:
     number, moves = runs.claims.stored.episodes.value.table.number, _robot_moves(runs)
     flat, blank, dark, still, hung, slow = np.zeros((6, len(moves)), dtype=bool)
-    flicker, broken, leap, swing, disorder = np.zeros((5, len(moves)), dtype=bool)
+    flicker, broken, leap, swing, focus, disorder = np.zeros((6, len(moves)), dtype=bool)
     share, again = {}, {}
     for row, glance in seen.items():
         flat[row] = glance.spread.max() <= _ONE_COLOUR or np.median(glance.grain) >= _NO_SIGNAL
@@ -236,7 +238,8 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths:
         blank[row] = not flat[row] and nothing.any() and not dark[row]
         flicker[row] = not flat[row] and _flickers(glance)
         if not (flat[row] or nothing.any() or flicker[row]):
-            leap[row], broken[row] = _leap(glance) > 0, len(_breaks(glance)) >= _BREAKS
+            leap[row], focus[row] = _leap(glance) > 0, _sharpness_at_times(glance) <= _BLURRED
+            broken[row] = not focus[row] and len(_breaks(glance)) >= _BREAKS
             swing[row] = len(glance.swing) >= _PAIRS and np.median(glance.swing) >= _SWINGS
         if moves[row] and row in paths and not flat[row]:
             path = paths[row]
@@ -263,6 +266,10 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths:
         leap=Suspects(leap, lambda row: _said_of_leap(seen[row])),
         swing=Suspects(
             swing, lambda row: f"a brightness that goes up and down by {np.median(seen[row].swing):.0f} of 255"
+        ),
+        focus=Suspects(
+            focus,
+            lambda row: f"pictures of which some have {_sharpness_at_times(seen[row]):.0%} of the usual sharpness",
         ),
         disorder=Suspects(disorder, lambda row: _said_of_disorder(seen[row])),
         slow=Suspects(slow, lambda row: f"the picture of before again for {again[row]:.0%} of the robot's way"),
@@ -331,6 +338,11 @@ def _said_of_breaks(glance: Glance) -> str:
     breaks = _breaks(glance)
     leaps = f"{len(breaks)} leaps of {np.median(glance.far[breaks - 1]):.0f} of 255 on average, first up to frame"
     return f"{leaps} {glance.frame[breaks[0]]:.0f}, where half an episode makes {np.median(glance.across):.0f}"
+
+
+def _sharpness_at_times(glance: Glance) -> float:
+    """Return how sharp pictures are at times, beside what they mostly are: 0.75 or more, while things come and go."""
+    return float(np.quantile(glance.grain, 0.15) / max(float(np.median(glance.grain)), _TINY))
 
 
 def _way_back(glance: Glance) -> float:

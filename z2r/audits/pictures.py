@@ -75,6 +75,8 @@ def no_picture_leaps(looks: Looks) -> Iterator[Answer]:
             yield "note", fault._replace(mend="Were parts of them lost on their way? Look at some in a row")
         for fault in _looks_wrong(look, look.swing, "light that stays"):
             yield "note", fault._replace(mend="Lamps on mains flicker: set the shutter to 1/50 or 1/60 s")
+        for fault in _looks_wrong(look, look.focus, "pictures that are as sharp throughout"):
+            yield "note", fault._replace(mend="Does the camera hunt for its focus? Fix it, where the driver can")
         for fault in _looks_wrong(look, look.disorder, "pictures in the order in which they were taken"):
             yield fault._replace(mend="Was each written when it was ready, and not in its turn? Look at some in a row")
 
