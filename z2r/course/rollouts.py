@@ -1,0 +1,134 @@
+"""What did the policies do? Rollouts from the same start, side by side: as paths, and as a film."""
+
+import io
+from collections.abc import Callable, Mapping
+from functools import cache
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle
+from numpy.typing import NDArray
+from PIL import Image
+
+from z2r.course import drawing
+from z2r.data import STANDIN
+from z2r.format.dataset import load
+from z2r.format.schema import Schema
+from z2r.pusht.played import Rollout
+from z2r.pusht.task import CONTROL_HZ, PUSHER_RADIUS
+from z2r.pusht.world import BODIES, PUSHT
+from z2r.reading.decode import Decoded, decode
+
+type Rollouts = Mapping[str, Rollout]
+"""By what they are called on the page."""
+
+_COLUMNS = 3
+_STEP = 2  # frames of a rollout from one picture of the film to the next
+_COLORS = 32  # of the film: its surfaces are plain
+_HOLD = 2000  # ms: the last picture stays before it begins again
+
+
+@drawing.in_style
+def paths(rollouts: Rollouts) -> Figure:
+    """Draw rollouts from above: where the block began and where it ended, its path, and that of the pusher.
+
+    Parameters
+    ----------
+    rollouts : mapping of str to Rollout
+        At least one, by what it is called.
+    """
+    columns = min(_COLUMNS, len(rollouts))
+    n_rows = -(-len(rollouts) // columns)
+    figure = drawing.new_figure(2.9 * columns, 3.2 * n_rows)
+    panels = figure.subplots(n_rows, columns, squeeze=False).flat
+    for axes, (name, rollout) in zip(panels, rollouts.items(), strict=False):
+        decoded = _set_stage(axes, name, rollout)
+        tee = decoded.pose("tee")
+        for body, color in (("tee", drawing.TEE), ("pusher", drawing.PUSHER)):
+            drawing.draw_path(axes, drawing.place(decoded.pose(body)), color, body)
+        ends = drawing.select_frames(tee, [0, len(tee.x) - 1])
+        drawing.draw_bodies(axes, BODIES["tee"], ends, drawing.TEE, "tee", [0.35, 1], linewidth=1.5)
+        axes.set_xlabel(_outcome(rollout))
+    for axes in panels:
+        axes.axis("off")
+    return figure
+
+
+def film(rollouts: Rollouts, seconds: float) -> bytes:
+    """Return rollouts as one moving picture, an animated PNG: whatever shows a PNG shows it.
+
+    Parameters
+    ----------
+    rollouts : mapping of str to Rollout
+        At least one, by what it is called.
+    seconds : float
+        How much of each is shown, as fast as it was. One that ends earlier stands still.
+    """
+    pictures = [Image.fromarray(each) for each in _pictures(rollouts, round(seconds * CONTROL_HZ / _STEP))]
+    palette = pictures[-1].quantize(_COLORS)
+    first, *others = (each.quantize(palette=palette, dither=Image.Dither.NONE) for each in pictures)
+    durations = [1000 * _STEP // CONTROL_HZ] * len(others) + [_HOLD]
+    made = io.BytesIO()
+    first.save(made, "PNG", save_all=True, append_images=others, duration=durations, loop=0)
+    return made.getvalue()
+
+
+@drawing.in_style
+def _pictures(rollouts: Rollouts, n_pictures: int) -> list[NDArray[np.uint8]]:
+    figure = drawing.new_figure(2.7 * len(rollouts), 3.1)
+    panels = figure.subplots(1, len(rollouts), squeeze=False)[0]
+    move_all = [_put_actors(axes, name, each) for axes, (name, each) in zip(panels, rollouts.items(), strict=True)]
+    canvas, pictures = FigureCanvasAgg(figure), []
+    for number in range(n_pictures):
+        for move in move_all:
+            move(number * _STEP)
+        canvas.draw()
+        if not number:
+            figure.set_layout_engine("none")  # or it is laid out anew for each picture
+        pictures.append(np.asarray(canvas.buffer_rgba())[..., :3].copy())
+    return pictures
+
+
+def _put_actors(axes: Axes, name: str, rollout: Rollout) -> Callable[[int], None]:
+    """Draw block and pusher where they began; return what moves them to where they are in a frame."""
+    decoded = _set_stage(axes, name, rollout)
+    path, outlines = drawing.place(decoded.pose("pusher")), drawing.outlines_of(BODIES["tee"], decoded.pose("tee"))
+    [line] = axes.plot([], [], color=drawing.PUSHER, linewidth=1)
+    start = drawing.select_frames(decoded.pose("tee"), [0])
+    drawing.draw_bodies(axes, BODIES["tee"], start, drawing.TEE, "tee", fill=0.7, linewidth=1.5)
+    tee = axes.collections[-1]
+    pusher = axes.add_patch(Circle((0, 0), PUSHER_RADIUS, color=drawing.PUSHER))
+    label = axes.set_xlabel(" ")
+
+    def move(frame: int) -> None:
+        now = min(frame, len(path) - 1)
+        line.set_data(*path[: now + 1].T)
+        tee.set_verts([outlines[now]])
+        pusher.set_center(tuple(path[now]))
+        label.set_text(_outcome(rollout) if rollout.success and now < frame else f"{now / CONTROL_HZ:.1f} s")
+
+    return move
+
+
+def _set_stage(axes: Axes, name: str, rollout: Rollout) -> Decoded:
+    """Draw what does not move, and return what the frames mean."""
+    decoded = decode(rollout.states, PUSHT, _schema())
+    drawing.draw_goal(axes, BODIES["target"], decoded.pose("target"))
+    corners = drawing.walls(PUSHT)
+    assert corners is not None
+    drawing.set_frame(axes, PUSHT, corners, margin=0.02)
+    axes.set(title=name, xticks=[], yticks=[], ylabel="")
+    axes.spines[:].set_visible(False)
+    return decoded
+
+
+@cache
+def _schema() -> Schema:
+    return load(STANDIN).schema
+
+
+def _outcome(rollout: Rollout) -> str:
+    seconds = len(rollout.actions) / CONTROL_HZ
+    return f"success after {seconds:.1f} s" if rollout.success else f"no success in {seconds:.0f} s"
