@@ -186,8 +186,8 @@ practice.check_order(order, six)
 costs.bars(costs.MISREADINGS)
 
 # %% [markdown]
-# Read it from the bottom of each group. There is hardly a middle: most of these mistakes cost nearly all, or so little
-# that it is hard to see. Take one of each.
+# There is little in between. Most of these mistakes cost nearly all, or so little that it is hard to see. Take one of
+# each.
 
 # %%
 costs.tell("late-5", "drop-boundaries")
@@ -231,8 +231,7 @@ print("the stem of the T is 3 cm wide")
 # Two frames late it overshoots by about the width of the stem, sees it, and comes back. That takes time, and often it
 # works. Five frames late it is past the block before it begins to stop.
 #
-# Compare this with the replay. There, two frames late did no harm at all, and one frame early did much. Here it is
-# the other way round.
+# Compare this with the replay. There, two frames late did no harm, and one frame early spoilt nearly all. And here?
 
 # %%
 for mode, row in (("late-2", "late-2"), ("action-lag", "early-1")):
@@ -240,8 +239,9 @@ for mode, row in (("late-2", "late-2"), ("action-lag", "early-1")):
     costs.tell(row)
 
 # %% [markdown]
-# A replay is blind, so a shift in space ruins it, and a delay does not. A policy looks, so it mends a shift, and a
-# delay makes it chase what it saw. **Neither test replaces the other.**
+# What ruined the replay leaves the policy most of its success, and what the replay did not notice is no better than
+# that. A replay is blind: a shift in space ruins it, and a delay does not. A policy looks: it mends a shift, and a delay
+# makes it chase what it saw. **Neither test replaces the other.**
 #
 # ## See what they do
 #
@@ -283,8 +283,9 @@ practice.check_order(order, four)
 # right. *At rollout*: the other way round. *Throughout*: wrong in both.
 
 # %%
-costs.tell("scale-eightfold-at-rollout", "scale-eightfold-throughout")
-costs.tell("yaw-swap-in-training", "yaw-swap-at-rollout", "yaw-swap-throughout")
+scale = ("scale-eightfold-at-rollout", "scale-eightfold-throughout")
+yaw = ("yaw-swap-in-training", "yaw-swap-at-rollout", "yaw-swap-throughout")
+costs.tell(*scale, *yaw)
 
 # %% [markdown]
 # Wrong in one place is a catastrophe, with both. Wrong in both is another matter. To a network, a number is just a
@@ -303,16 +304,16 @@ costs.tell("plain", "plain-yaw-swap-throughout", "plain-yaw-swap-in-training")
 # %% [markdown]
 # ## Does plenty forgive?
 #
-# Would more data mend it? The most telling rows were trained with 2,000 demonstrations as well. Each is compared with
+# Would more data mend it? The most telling rows are trained with 2,000 demonstrations as well, and then held against
 # `right-2000`. Compare each line with the one above it.
 
 # %%
-for row in costs.PLENTY["2,000 demonstrations"]:
-    costs.tell(row.removesuffix("-2000"), row)
+many = costs.PLENTY["2,000 demonstrations"]
+costs.tell(*(row for each in many for row in (each.removesuffix("-2000"), each)))
 
 # %% [markdown]
-# More data makes a policy better at what it is shown. Where what it is shown is a little blurred, that can help. Where
-# it is the answer to another question, it gets better at the wrong answer.
+# More data makes a policy better at what it is shown. Where that is a little blurred, it may help. Where it is the
+# answer to another question, the policy gets better at the wrong answer.
 #
 # ## Does checking pay?
 #
@@ -328,8 +329,9 @@ for each in read_audited():
     print(f"{each.source:18} {each.damaged:8} {named:14} {others:13}")
 
 # %% [markdown]
-# It names nearly all of them, and few others. (`frozen` is the exception: a driver that hangs confuses the check for
-# noise.) Good. But does it *pay*? First, what did the damage cost? Each row is held against `right`, on the same starts.
+# It names nearly all of them, and few others. (In `frozen` it names more: so many dead frames make whole episodes look
+# noisy.) Good. But does it *pay*? First, what did the damage cost? Each row is held against `right`, on the same
+# starts.
 
 # %%
 costs.differences(costs.DEMONSTRATIONS)
@@ -354,8 +356,8 @@ for cost in costs.measured(sum(costs.DROPPED.values(), ())):
         print(f"{cost.row:26} {costs.verdict(cost)}")
 
 # %% [markdown]
-# Look at the last name. There, *reached* comes up: some noisy demonstrations fail, and somebody drops those that did
-# not reach the target. With the right tolerance that is harmless. With 0.2 *degrees* for 0.2 radians hardly any
+# Find `failed-dropped-by-degrees`. Here *reached* comes up. Some noisy demonstrations fail, so somebody keeps only those
+# that reached the target. But the tolerance on the yaw, 0.2 radians, is taken for degrees. Then hardly any
 # demonstration counts as reached. How many are left to learn from?
 
 # %%
@@ -367,9 +369,9 @@ for row in ("failed-kept", "failed-dropped", "failed-dropped-by-degrees"):
 #
 # ## What a frame lacks
 #
-# The first policy that was tried for this page learned from one frame, and hardly ever succeeded. The data was fine.
-# What was missing? These are two frames of one episode of `messy`, which ships with the course: out of all pairs with
-# very different actions, the two that look most alike.
+# One question is left, and it is not about mistakes. A frame says where everything is. Is that enough to know what to
+# do? Take `messy`, which ships with the course. Out of all pairs of frames with nearly opposite actions, find the two
+# that look most alike.
 
 # %%
 messy = z2r.load(z2r.MESSY)
@@ -383,12 +385,13 @@ for frame in np.unravel_index(pairs.argmin(), pairs.shape):
     print(f"frame {frame}: state", *state[frame, :6].round(3), " action", *action[frame].round(2))
 
 # %% [markdown]
-# The same picture, and opposite answers. The expert had just changed its mind: it was on its way to one side of the
-# block, and now goes to another. What it has in mind is in no frame. A policy of one frame can only answer with the
-# mean of the two, and the mean of left and right is to stand still.
+# To the millimetre the same place, and opposite answers. Part of it is noise, which this recording adds to each action.
+# The rest is what the expert had in mind: on which side of the block it was going to push, and how fast it was going
+# already. That is in no frame. A policy that sees one frame can only answer with the mean, and the mean of left and
+# right is to stand still.
 #
-# So ours sees two frames and the action between them, answers with several actions at once, sees from the block, and
-# learns from mirrored examples. Take these away, one at a time.
+# So ours sees two frames and the action between them, and answers with several actions at once. Besides, it sees from
+# the block, and learns from mirrored examples. Take these away.
 
 # %%
 costs.tell("right", *costs.RECIPE["without one part of the recipe"])
@@ -411,9 +414,10 @@ costs.tell("right", *costs.RECIPE["without one part of the recipe"])
 # for each seed.
 
 # %%
-late = next(each for each in table if each.row == "late-5")
-print(late.command)
-print(late.minutes, "minutes of one core for each seed, on", late.stack)
+dear = next(each for each in table if each.row == "late-5")
+print(dear.command)
+print(dear.minutes, "minutes of one core for a seed")
+print(dear.stack)
 
 
 # %% [markdown]

@@ -8,6 +8,7 @@ from functools import cache
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 
 from z2r.course import drawing
 from z2r.pusht.cloning.results import Cost, costs_of, read_results
@@ -126,7 +127,7 @@ def bars(groups: Groups) -> Figure:
     ValueError
         If none of them was measured.
     """
-    axes, places = _rows_of(groups)
+    figure, axes, places = _rows_of(groups)
     for cost, place in places:
         costs = cost.cost[2] < 0
         color, hatch = (drawing.WRONG, "////") if costs else (drawing.RIGHT, "")
@@ -139,7 +140,7 @@ def bars(groups: Groups) -> Figure:
     axes.set(xlim=(0, 1), xlabel=f"success, dotted: {', '.join(sorted(against))}; line: where the true rate lies, 95 %")
     axes.xaxis.set_major_formatter("{x:.0%}")
     axes.set_title("plain: no difference seen     hatched: it costs")
-    return axes.figure
+    return figure
 
 
 @drawing.in_style
@@ -156,7 +157,7 @@ def differences(groups: Groups) -> Figure:
     ValueError
         If none of them was measured.
     """
-    axes, places = _rows_of(groups)
+    figure, axes, places = _rows_of(groups)
     for cost, place in places:
         difference, low, high = (100 * value for value in cost.cost)
         color, marker = (drawing.GREY, "o") if low <= 0 <= high else _GAINS if low > 0 else _COSTS
@@ -166,10 +167,10 @@ def differences(groups: Groups) -> Figure:
     axes.axvline(0, color=drawing.INK, linewidth=1, zorder=0)
     axes.set(xlabel="points of success more or less than what it is held against; line: 95 %")
     axes.set_title("< costs     o no difference seen     > gains")
-    return axes.figure
+    return figure
 
 
-def _rows_of(groups: Groups) -> tuple[Axes, list[tuple[Cost, float]]]:
+def _rows_of(groups: Groups) -> tuple[Figure, Axes, list[tuple[Cost, float]]]:
     """Open a figure with a line for each row that was measured, and return where each stands."""
     there = {title: found for title, rows in groups.items() if (found := measured(rows))}
     if not there:
@@ -184,9 +185,11 @@ def _rows_of(groups: Groups) -> tuple[Axes, list[tuple[Cost, float]]]:
     axes.set(ylim=(place - 0.4, -0.6), yticks=[at for _, at in places], yticklabels=[cost.row for cost, _ in places])
     axes.tick_params(axis="y", length=0)
     axes.spines["left"].set_visible(False)
+    halo = [withStroke(linewidth=4, foreground=drawing.CARD)]
     for title, at in titles:
-        axes.text(0.0, at, title, weight="bold", size=10, va="center", transform=axes.get_yaxis_transform())
-    return axes, places
+        text = axes.text(0.0, at, title, weight="bold", size=10, va="center", path_effects=halo)
+        text.set_transform(axes.get_yaxis_transform())
+    return figure, axes, places
 
 
 def _write_at_the_end(axes: Axes, place: float, text: str) -> None:

@@ -4,12 +4,9 @@ import io
 from collections.abc import Callable, Mapping
 from functools import cache
 
-import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle
-from numpy.typing import NDArray
+from matplotlib.patches import Circle, Polygon
 from PIL import Image
 
 from z2r.course import drawing
@@ -66,7 +63,7 @@ def film(rollouts: Rollouts, seconds: float) -> bytes:
     seconds : float
         How much of each is shown, as fast as it was. One that ends earlier stands still.
     """
-    pictures = [Image.fromarray(each) for each in _pictures(rollouts, round(seconds * CONTROL_HZ / _STEP))]
+    pictures = _pictures(rollouts, round(seconds * CONTROL_HZ / _STEP))
     palette = pictures[-1].quantize(_COLORS)
     first, *others = (each.quantize(palette=palette, dither=Image.Dither.NONE) for each in pictures)
     durations = [1000 * _STEP // CONTROL_HZ] * len(others) + [_HOLD]
@@ -76,18 +73,19 @@ def film(rollouts: Rollouts, seconds: float) -> bytes:
 
 
 @drawing.in_style
-def _pictures(rollouts: Rollouts, n_pictures: int) -> list[NDArray[np.uint8]]:
+def _pictures(rollouts: Rollouts, n_pictures: int) -> list[Image.Image]:
     figure = drawing.new_figure(2.7 * len(rollouts), 3.1)
     panels = figure.subplots(1, len(rollouts), squeeze=False)[0]
     move_all = [_put_actors(axes, name, each) for axes, (name, each) in zip(panels, rollouts.items(), strict=True)]
-    canvas, pictures = FigureCanvasAgg(figure), []
+    pictures = []
     for number in range(n_pictures):
         for move in move_all:
             move(number * _STEP)
-        canvas.draw()
-        if not number:
-            figure.set_layout_engine("none")  # or it is laid out anew for each picture
-        pictures.append(np.asarray(canvas.buffer_rgba())[..., :3].copy())
+        drawn = io.BytesIO()
+        figure.savefig(drawn, format="rgba")
+        figure.set_layout_engine("none")  # or it is laid out anew for each picture
+        size = figure.canvas.get_width_height()
+        pictures.append(Image.frombytes("RGBA", size, drawn.getvalue()).convert("RGB"))
     return pictures
 
 
@@ -96,17 +94,17 @@ def _put_actors(axes: Axes, name: str, rollout: Rollout) -> Callable[[int], None
     decoded = _set_stage(axes, name, rollout)
     path, outlines = drawing.place(decoded.pose("pusher")), drawing.outlines_of(BODIES["tee"], decoded.pose("tee"))
     [line] = axes.plot([], [], color=drawing.PUSHER, linewidth=1)
-    start = drawing.select_frames(decoded.pose("tee"), [0])
-    drawing.draw_bodies(axes, BODIES["tee"], start, drawing.TEE, "tee", fill=0.7, linewidth=1.5)
-    tee = axes.collections[-1]
-    pusher = axes.add_patch(Circle((0, 0), PUSHER_RADIUS, color=drawing.PUSHER))
+    tee = Polygon(outlines[0], facecolor=(drawing.TEE, 0.7), edgecolor=drawing.TEE, linewidth=1.5, zorder=2)
+    pusher = Circle((0, 0), PUSHER_RADIUS, color=drawing.PUSHER, zorder=3)
+    for body in (tee, pusher):
+        axes.add_patch(body)
     label = axes.set_xlabel(" ")
 
     def move(frame: int) -> None:
         now = min(frame, len(path) - 1)
         line.set_data(*path[: now + 1].T)
-        tee.set_verts([outlines[now]])
-        pusher.set_center(tuple(path[now]))
+        tee.set_xy(outlines[now])
+        pusher.set_center((path[now, 0], path[now, 1]))
         label.set_text(_outcome(rollout) if rollout.success and now < frame else f"{now / CONTROL_HZ:.1f} s")
 
     return move

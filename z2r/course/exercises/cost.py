@@ -70,8 +70,8 @@ def check_order(order: Sequence[str] | None, rows: Sequence[str]) -> None:
     rows : sequence of str
         What is to be put in order, rows of the table.
     """
-    if order is None or order is ...:
-        print(f"{NOT_ATTEMPTED}: put your list in place of {order}, then run the cell again.")
+    if order is None:
+        print(f"{NOT_ATTEMPTED}: put your list in place of None, then run the cell again.")
         return
     given = [order] if isinstance(order, str) else list(order)
     if strange := [each for each in given if each not in rows]:
@@ -121,20 +121,20 @@ def check_interval(function: Callable[..., Any]) -> None:
         Case("a policy that always fails and one that always succeeds", (np.zeros(100), np.ones(100))),
     ]
 
-    def near(one: Floats, other: Floats) -> object:
-        """Return what was expected, if the answer is as near to it as another draw would be."""
-        got, expected = function(one, other, np.random.default_rng(0)), _interval(one, other, np.random.default_rng(0))
-        close = np.shape(got) == (2,) and np.abs(np.subtract(got, expected)).max() < _CLOSE
-        return expected if close and got[0] <= got[1] else got
-
-    def reference(one: Floats, other: Floats) -> tuple[float, float]:
-        return _interval(one, other, np.random.default_rng(0))
-
-    def untouched(one: Floats, other: Floats) -> tuple[float, float]:
-        return _interval_as_handed_out(one, other, np.random.default_rng(0))
-
     hint = "The starts are the same for both policies. Are they still, once they are drawn again?"
-    judge_function(near, reference, cases, hint, untouched=untouched, special_hint=_hint_about_the_sign)
+    answer, reference, untouched = map(_drawn, (function, _interval, _interval_as_handed_out))
+    judge_function(answer, reference, cases, hint, untouched=untouched, special_hint=_hint_about_the_sign)
+
+
+def _drawn(function: Callable[..., Any]) -> Callable[[Floats, Floats], object]:
+    """Let a function draw; where its answer is as near to what was expected as another draw would be, take that."""
+
+    def near(one: Floats, other: Floats) -> object:
+        got, expected = (each(one, other, np.random.default_rng(0)) for each in (function, _interval))
+        close = np.shape(got) == (2,) and np.abs(np.subtract(got, expected)).max() < _CLOSE
+        return expected if close else got
+
+    return near
 
 
 def _hint_about_the_sign(got: Floats, expected: Floats) -> str | None:
