@@ -89,8 +89,11 @@ def replays(name):
 
 
 # %%
-played = replays("as-recorded")
-print(sum(each.success for each in played), "of", len(played), "succeed")
+def succeed(name):
+    return sum(each.success for each in replays(name))
+
+
+print(succeed("as-recorded"), "of", len(seeds), "succeed")
 
 # %% [markdown]
 # *Success* is the simulator's word, here and on all of this page: the block stayed in tolerance for five steps. It is
@@ -113,10 +116,10 @@ practice.predict_replay(exchanged, late)
 
 # %%
 for name in ("exchanged", "step-for-velocity", "wrong-fps"):
-    print(f"{name:17}  {sum(each.success for each in replays(name))} of 6")
+    print(f"{name:17}  {succeed(name)} of 6")
 print()
 for name in ("late-1", "late-2", "late-5", "action-lag"):
-    print(f"{name:17}  {sum(each.success for each in replays(name))} of 6")
+    print(f"{name:17}  {succeed(name)} of 6")
 
 # %% [markdown]
 # A wrong axis, a step taken for a velocity, a clock of 30 frames a second: a replay finds each of them in a second.
@@ -153,12 +156,13 @@ table = read_results()
 trained = Counter(each.row for each in table)
 print(len(trained), "of", len(ROWS), "rows are measured,", end=" ")
 print("each with", min(trained.values()), "to", max(trained.values()), "training seeds")
+print(min(len(each.outcomes) for each in table), "starts or more for each,", end=" ")
 print(sum(len(each.outcomes) for each in table), "rollouts in all")
 
 # %% [markdown]
 # ## Which are dear?
 #
-# Six rows of the table. In each, one thing is wrong.
+# Six rows of the table, and what is believed in each, or done. One thing is wrong in each of them.
 
 # %%
 six = ["exchanged", "drop-boundaries", "fps-30-at-rollout"]
@@ -235,12 +239,12 @@ print("the stem of the T is 3 cm wide")
 
 # %%
 for mode, row in (("late-2", "late-2"), ("action-lag", "early-1")):
-    print(f"replayed: {sum(each.success for each in replays(mode))} of 6.", end=" ")
+    print(f"replayed: {succeed(mode)} of 6. A policy: ", end="")
     costs.tell(row)
 
 # %% [markdown]
-# What ruined the replay leaves the policy most of its success, and what the replay did not notice is no better than
-# that. A replay is blind: a shift in space ruins it, and a delay does not. A policy looks: it mends a shift, and a delay
+# What ruined the replay leaves the policy most of its success. What the replay did not notice at all is no safer. A
+# replay is blind: a shift in space ruins it, and a short delay does not. A policy looks: it mends a shift, and a delay
 # makes it chase what it saw. **Neither test replaces the other.**
 #
 # ## See what they do
@@ -299,7 +303,7 @@ costs.tell(*scale, *yaw)
 # It passes sine and cosine on, and computes nothing with them.
 
 # %%
-costs.tell("plain", "plain-yaw-swap-throughout", "plain-yaw-swap-in-training")
+costs.tell("plain", *costs.PLAIN)
 
 # %% [markdown]
 # ## Does plenty forgive?
@@ -308,8 +312,8 @@ costs.tell("plain", "plain-yaw-swap-throughout", "plain-yaw-swap-in-training")
 # `right-2000`. Compare each line with the one above it.
 
 # %%
-many = costs.PLENTY["2,000 demonstrations"]
-costs.tell(*(row for each in many for row in (each.removesuffix("-2000"), each)))
+pairs = ((row, f"{row}-2000") for row in costs.TELLING)
+costs.tell(*(row for pair in pairs for row in pair))
 
 # %% [markdown]
 # More data makes a policy better at what it is shown. Where that is a little blurred, it may help. Where it is the
@@ -317,28 +321,32 @@ costs.tell(*(row for each in many for row in (each.removesuffix("-2000"), each))
 #
 # ## Does checking pay?
 #
-# So far everything was read wrong. More often *some* episodes are bad. In these sets a share of 400 demonstrations was
-# damaged on purpose: they have the actions of another episode, their observation freezes, their actions are late, the
-# block leaps, or nobody moves. `mixture` has some of each. What does `z2r audit` say of them?
+# So far everything was read wrong. More often *some* episodes are bad. In these sets, a part of 400 demonstrations was
+# damaged on purpose. Either they have the actions of another episode (in `tenth`, too), or their observation freezes,
+# or their actions are late, or the block leaps. `mixture` has all four, and in `idle` nobody moves. What does `z2r
+# audit` say of them?
 
 # %%
-print("                    damaged  of them named  others named")
+print("                    damaged  named  others named  damaged after --keep")
 for each in read_audited():
     named = each.damaged - each.unnamed_damaged
     others = each.episodes - each.unnamed - named
-    print(f"{each.source:18} {each.damaged:8} {named:14} {others:13}")
+    print(f"{each.source:18} {each.damaged:8} {named:6}", end=" ")
+    print(f"{others:13} {each.kept_damaged:21}")
 
 # %% [markdown]
-# It names nearly all of them, and few others. (In `frozen` it names more: so many dead frames make whole episodes look
-# noisy.) Good. But does it *pay*? First, what did the damage cost? Each row is held against `right`, on the same
-# starts.
+# It names nearly all of them, and few others, except in `frozen`. The last column says why one should read its warnings
+# too: `z2r audit --keep` leaves out only what an *error* is about, and most of these are warnings.
+#
+# Good. But does it *pay*? First, what did the damage cost? Each row is held against `right`, on the same starts.
 
 # %%
 costs.differences(costs.DEMONSTRATIONS)
 
 # %% [markdown]
 # Grey lines cross the zero: there, no cost was seen. A network that fits an average over hundreds of demonstrations can
-# take quite a few bad ones, if each is bad in its own way. So there is not always something to win.
+# take quite a few bad ones, if each is bad in its own way. So there is not always something to win. (Should a smaller
+# damage seem dearer than a larger one, remember how few seeds there are.)
 #
 # Now leave out what the audit names. Each row is held against the policy that learned from *all* of the same episodes.
 # And because fewer episodes are left, two fair rivals: as many at random, and as many of the shortest. It is a known
@@ -356,8 +364,8 @@ for cost in costs.measured(sum(costs.DROPPED.values(), ())):
         print(f"{cost.row:26} {costs.verdict(cost)}")
 
 # %% [markdown]
-# Find `failed-dropped-by-degrees`. Here *reached* comes up. Some noisy demonstrations fail, so somebody keeps only those
-# that reached the target. But the tolerance on the yaw, 0.2 radians, is taken for degrees. Then hardly any
+# Find `failed-dropped-by-degrees`. Here *reached* comes up. Some noisy demonstrations fail, so somebody keeps only
+# those that reached the target. But the tolerance on the yaw, 0.2 radians, is taken for degrees. Then hardly any
 # demonstration counts as reached. How many are left to learn from?
 
 # %%
@@ -394,7 +402,7 @@ for frame in np.unravel_index(pairs.argmin(), pairs.shape):
 # the block, and learns from mirrored examples. Take these away.
 
 # %%
-costs.tell("right", *costs.RECIPE["without one part of the recipe"])
+costs.tell("right", *costs.RECIPE)
 
 # %% [markdown]
 # Before you blame a policy, ask what its frames lack. Before you blame the data, ask the same.

@@ -52,19 +52,14 @@ DROPPED: Groups = {
 }
 """What can be left out; each is held against all of the same demonstrations."""
 
-RECIPE: Groups = {
-    "without one part of the recipe": ("no-mirror", "from-the-table", "plain", "one-frame"),
-}
-"""What the policy can do without; each is held against `right`."""
+RECIPE = ("no-mirror", "from-the-table", "plain", "one-frame")
+"""The policy without a part of what makes it work; each is held against `right`."""
 
-PLAIN: Groups = {
-    "plain: seen from the table, not mirrored": ("plain-yaw-swap-throughout", "plain-yaw-swap-in-training"),
-}
+PLAIN = ("plain-yaw-swap-throughout", "plain-yaw-swap-in-training")
 """The swapped yaw again, with a policy that computes nothing from it; each is held against `plain`."""
 
-_TELLING = ("drop-boundaries", "late-2", "late-5", "yaw-swap-throughout", "yaw-swap-in-training")
-PLENTY: Groups = {"2,000 demonstrations": ("right-2000", *(f"{name}-2000" for name in _TELLING))}
-"""The most telling ones again, with five times as many demonstrations; each is held against `right-2000`."""
+TELLING = ("right", "drop-boundaries", "late-2", "late-5", "yaw-swap-throughout", "yaw-swap-in-training")
+"""What was trained with 2,000 demonstrations too: then called ``ROW-2000``, and held against `right-2000`."""
 
 _GAINS, _COSTS = (drawing.RIGHT, ">"), (drawing.WRONG, "<")  # by marker as well as by colour
 

@@ -38,7 +38,7 @@ def paths(rollouts: Rollouts) -> Figure:
     """
     columns = min(_COLUMNS, len(rollouts))
     n_rows = -(-len(rollouts) // columns)
-    figure = drawing.new_figure(2.9 * columns, 3.2 * n_rows)
+    figure = drawing.new_figure(2.9 * columns, 3.4 * n_rows)
     panels = figure.subplots(n_rows, columns, squeeze=False).flat
     for axes, (name, rollout) in zip(panels, rollouts.items(), strict=False):
         decoded = _set_stage(axes, name, rollout)
@@ -65,10 +65,12 @@ def film(rollouts: Rollouts, seconds: float) -> bytes:
     """
     pictures = _pictures(rollouts, round(seconds * CONTROL_HZ / _STEP))
     palette = pictures[-1].quantize(_COLORS)
-    first, *others = (each.quantize(palette=palette, dither=Image.Dither.NONE) for each in pictures)
-    durations = [1000 * _STEP // CONTROL_HZ] * len(others) + [_HOLD]
-    made = io.BytesIO()
-    first.save(made, "PNG", save_all=True, append_images=others, duration=durations, loop=0)
+    flat = [each.quantize(palette=palette, dither=Image.Dither.NONE) for each in pictures]
+    durations = [1000 * _STEP // CONTROL_HZ] * (len(flat) - 1) + [_HOLD]
+    made = io.BytesIO()  # the default image, where nothing moves, is the last one
+    flat[-1].save(
+        made, "PNG", save_all=True, default_image=True, append_images=flat, duration=[_HOLD, *durations], loop=0
+    )
     return made.getvalue()
 
 
