@@ -68,7 +68,8 @@ from z2r.pusht.cloning.results import read_rollout
 # %%
 for row in ("right", "late-5"):
     cost = costs.cost_of(row)
-    print(f"{row:6}  {cost.n_successes} of {cost.n_rollouts} tries succeed")
+    print(f"{row:6}  {cost.n_successes} of {cost.n_rollouts} tries succeed,", end=" ")
+    print("learned from", cost.demonstrations, "demonstrations")
 
 # %% [markdown]
 # Here is one start, with both.

@@ -110,7 +110,7 @@ def test_a_film_moves_until_the_end_and_is_small():
     pictures = []
     for number in range(film.n_frames):
         film.seek(number)
-        pictures.append(np.asarray(film.convert("RGB")))
+        pictures.append(np.asarray(film.convert("RGBA")))
     assert (pictures[0] == pictures[-1]).all()
     middle = pictures[0].shape[1] // 2
     left, right = ([each[:, part] for each in pictures] for part in (slice(0, middle), slice(middle, None)))

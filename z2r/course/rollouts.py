@@ -3,11 +3,14 @@
 import io
 from collections.abc import Callable, Mapping
 from functools import cache
+from itertools import pairwise
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 from PIL import Image
+from PIL.PngImagePlugin import Blend
 
 from z2r.course import drawing
 from z2r.data import STANDIN
@@ -23,7 +26,7 @@ type Rollouts = Mapping[str, Rollout]
 
 _COLUMNS = 3
 _STEP = 2  # frames of a rollout from one picture of the film to the next
-_COLORS = 32  # of the film: its surfaces are plain
+_COLORS = 31  # of the film: its surfaces are plain. One more is transparent.
 _HOLD = 2000  # ms: the last picture stays before it begins again
 
 
@@ -65,18 +68,36 @@ def film(rollouts: Rollouts, seconds: float) -> bytes:
     """
     pictures = _pictures(rollouts, round(seconds * CONTROL_HZ / _STEP))
     palette = pictures[-1].quantize(_COLORS)
+    palette.putpalette([*(palette.getpalette() or []), 0, 0, 0])  # and what is transparent
     flat = [each.quantize(palette=palette, dither=Image.Dither.NONE) for each in pictures]
-    durations = [1000 * _STEP // CONTROL_HZ] * (len(flat) - 1) + [_HOLD]
-    made = io.BytesIO()  # the default image, where nothing moves, is the last one
-    flat[-1].save(
-        made, "PNG", save_all=True, default_image=True, append_images=flat, duration=[_HOLD, *durations], loop=0
+    changes = [_changed(before, now) for before, now in pairwise(flat)]
+    made = io.BytesIO()
+    flat[-1].save(  # what is shown where nothing moves is the end
+        made,
+        "PNG",
+        save_all=True,
+        default_image=True,
+        append_images=[flat[0], *changes],
+        duration=[0] + [1000 * _STEP // CONTROL_HZ] * len(changes) + [_HOLD],
+        loop=0,
+        blend=Blend.OP_OVER,
+        transparency=_COLORS,
+        optimize=True,
     )
     return made.getvalue()
 
 
+def _changed(before: Image.Image, now: Image.Image) -> Image.Image:
+    """Return a picture that is transparent where it is as before, and so takes little room."""
+    same = np.asarray(before) == np.asarray(now)
+    changed = Image.fromarray(np.where(same, np.uint8(_COLORS), np.asarray(now)), "P")
+    changed.putpalette(now.getpalette() or [])
+    return changed
+
+
 @drawing.in_style
 def _pictures(rollouts: Rollouts, n_pictures: int) -> list[Image.Image]:
-    figure = drawing.new_figure(2.7 * len(rollouts), 3.1)
+    figure = drawing.new_figure(2.4 * len(rollouts), 2.8)
     panels = figure.subplots(1, len(rollouts), squeeze=False)[0]
     move_all = [_put_actors(axes, name, each) for axes, (name, each) in zip(panels, rollouts.items(), strict=True)]
     pictures = []
