@@ -51,11 +51,38 @@ if importlib.util.find_spec("z2r") is None:
 # %%
 import json
 
+from IPython.display import Image
+
 import z2r
-from z2r.course import figures
+from z2r.course import costs, figures, rollouts
 from z2r.course.exercises import start_here as practice
+from z2r.pusht.cloning.results import read_rollout
 
 # %% [markdown]
+# ## Why bother?
+#
+# A small program, a *policy*, learned from 400 demonstrations to shove a block onto a target. Then another one learned
+# from the same demonstrations, with one thing wrong: each action stood half a second late, and nobody noticed. Nothing
+# crashed. Both had to do the task in a simulator, from the same starts.
+
+# %%
+for row in ("right", "late-5"):
+    cost = costs.cost_of(row)
+    print(f"{row:6}  {cost.n_successes} of {cost.n_rollouts} tries succeed,", end=" ")
+    print("learned from", cost.demonstrations, "demonstrations")
+
+# %% [markdown]
+# Here is one start, with both.
+
+# %%
+both = {"read right": "right", "read half a second late": "late-5"}
+both = {title: read_rollout(row) for title, row in both.items()}
+Image(rollouts.film(both, seconds=11), format="png")
+
+# %% [markdown]
+# The one on the right has learned to be late. It circles the block and never arrives. What each misreading costs, and
+# which cost nothing, is in [the last notebook](09_cost_of_a_misreading.ipynb). First, learn to read.
+#
 # ## The task
 #
 # The robot is a disc, *the pusher*. On a table in front of it lies a block in the shape of a T. The pusher has to shove

@@ -590,5 +590,6 @@ practice.check_diagnosis("c", answer)
 # - **audit** a dataset: `z2r audit my_dataset`, and read the last lines, which say what was not checked;
 # - **find** what is wrong with a dataset, first from the numbers, then from the picture, then from both.
 #
-# Next: run `z2r audit` on a dataset of your own, before you train on it. How to read one is in
+# Next: [What does a misreading cost?](09_cost_of_a_misreading.ipynb) trains a policy on such mistakes, and counts. And
+# run `z2r audit` on a dataset of your own, before you train on it. How to read one is in
 # [Is my data any good?](07_your_dataset.ipynb)

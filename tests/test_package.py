@@ -34,6 +34,7 @@ FLOORS = [
 ]
 FLOOR = {name: number for number, floor in enumerate(FLOORS) for name in floor}
 SIMULATOR, CLONING = "pusht.simulator", "pusht.cloning"
+MEASURED = "pusht.cloning.results"  # read without what measures
 
 
 def module_name(path: Path) -> str:
@@ -63,7 +64,7 @@ def test_imports_point_downwards(module):
         if imported.startswith(SIMULATOR):
             by_right = module.startswith((SIMULATOR, CLONING)) or module == "cli"
             assert by_right, f"{module} imports the simulator's {imported}"
-        if imported.startswith(CLONING):
+        if imported.startswith(CLONING) and imported != MEASURED:
             assert module.startswith(CLONING), f"{module} imports {imported}"
 
 

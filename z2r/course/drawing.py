@@ -50,11 +50,11 @@ _STYLE = {
 }
 
 
-def in_style[**P](draw: Callable[P, Figure]) -> Callable[P, Figure]:
+def in_style[**P, T](draw: Callable[P, T]) -> Callable[P, T]:
     """Draw in this module's style, whatever the notebook has set."""
 
     @wraps(draw)
-    def styled(*args: P.args, **kwargs: P.kwargs) -> Figure:
+    def styled(*args: P.args, **kwargs: P.kwargs) -> T:
         with plt.style.context(["default", _STYLE]):
             return draw(*args, **kwargs)
 

@@ -1,0 +1,155 @@
+"""What did the policies do? Rollouts from the same start, side by side: as paths, and as a film."""
+
+import io
+from collections.abc import Callable, Mapping
+from functools import cache
+from itertools import pairwise
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle, Polygon
+from PIL import Image
+from PIL.PngImagePlugin import Blend
+
+from z2r.course import drawing
+from z2r.data import STANDIN
+from z2r.format.dataset import load
+from z2r.format.schema import Schema
+from z2r.pusht.played import Rollout
+from z2r.pusht.task import CONTROL_HZ, PUSHER_RADIUS
+from z2r.pusht.world import BODIES, PUSHT
+from z2r.reading.decode import Decoded, decode
+
+type Rollouts = Mapping[str, Rollout]
+"""By what they are called on the page."""
+
+_COLUMNS = 3
+_STEP = 2  # frames of a rollout from one picture of the film to the next
+_COLORS = 31  # of the film: its surfaces are plain. One more is transparent.
+_HOLD = 2000  # ms: the last picture stays before it begins again
+
+
+@drawing.in_style
+def paths(rollouts: Rollouts) -> Figure:
+    """Draw rollouts from above: where the block began and where it ended, its path, and that of the pusher.
+
+    Parameters
+    ----------
+    rollouts : mapping of str to Rollout
+        At least one, by what it is called.
+    """
+    columns = min(_COLUMNS, len(rollouts))
+    n_rows = -(-len(rollouts) // columns)
+    figure = drawing.new_figure(2.9 * columns, 3.4 * n_rows)
+    panels = figure.subplots(n_rows, columns, squeeze=False).flat
+    for axes, (name, rollout) in zip(panels, rollouts.items(), strict=False):
+        decoded = _set_stage(axes, name, rollout)
+        tee = decoded.pose("tee")
+        for body, color in (("tee", drawing.TEE), ("pusher", drawing.PUSHER)):
+            drawing.draw_path(axes, drawing.place(decoded.pose(body)), color, body)
+        ends = drawing.select_frames(tee, [0, len(tee.x) - 1])
+        drawing.draw_bodies(axes, BODIES["tee"], ends, drawing.TEE, "tee", [0.35, 1], linewidth=1.5)
+        axes.set_xlabel(_outcome(rollout))
+    for axes in panels:
+        axes.axis("off")
+    return figure
+
+
+def film(rollouts: Rollouts, seconds: float) -> bytes:
+    """Return rollouts as one moving picture, an animated PNG: whatever shows a PNG shows it.
+
+    Parameters
+    ----------
+    rollouts : mapping of str to Rollout
+        At least one, by what it is called.
+    seconds : float
+        How much of each is shown, as fast as it was. One that ends earlier stands still.
+    """
+    pictures = _pictures(rollouts, round(seconds * CONTROL_HZ / _STEP))
+    palette = pictures[-1].quantize(_COLORS)
+    palette.putpalette([*(palette.getpalette() or []), 0, 0, 0])  # and what is transparent
+    flat = [each.quantize(palette=palette, dither=Image.Dither.NONE) for each in pictures]
+    changes = [_changed(before, now) for before, now in pairwise(flat)]
+    made = io.BytesIO()
+    flat[-1].save(  # what is shown where nothing moves is the end
+        made,
+        "PNG",
+        save_all=True,
+        default_image=True,
+        append_images=[flat[0], *changes],
+        duration=[0] + [1000 * _STEP // CONTROL_HZ] * len(changes) + [_HOLD],
+        loop=0,
+        blend=Blend.OP_OVER,
+        transparency=_COLORS,
+        optimize=True,
+    )
+    return made.getvalue()
+
+
+def _changed(before: Image.Image, now: Image.Image) -> Image.Image:
+    """Return a picture that is transparent where it is as before, and so takes little room."""
+    same = np.asarray(before) == np.asarray(now)
+    changed = Image.fromarray(np.where(same, np.uint8(_COLORS), np.asarray(now)), "P")
+    changed.putpalette(now.getpalette() or [])
+    return changed
+
+
+@drawing.in_style
+def _pictures(rollouts: Rollouts, n_pictures: int) -> list[Image.Image]:
+    figure = drawing.new_figure(2.4 * len(rollouts), 2.8)
+    panels = figure.subplots(1, len(rollouts), squeeze=False)[0]
+    move_all = [_put_actors(axes, name, each) for axes, (name, each) in zip(panels, rollouts.items(), strict=True)]
+    pictures = []
+    for number in range(n_pictures):
+        for move in move_all:
+            move(number * _STEP)
+        drawn = io.BytesIO()
+        figure.savefig(drawn, format="rgba")
+        figure.set_layout_engine("none")  # or it is laid out anew for each picture
+        size = figure.canvas.get_width_height()
+        pictures.append(Image.frombytes("RGBA", size, drawn.getvalue()).convert("RGB"))
+    return pictures
+
+
+def _put_actors(axes: Axes, name: str, rollout: Rollout) -> Callable[[int], None]:
+    """Draw block and pusher where they began; return what moves them to where they are in a frame."""
+    decoded = _set_stage(axes, name, rollout)
+    path, outlines = drawing.place(decoded.pose("pusher")), drawing.outlines_of(BODIES["tee"], decoded.pose("tee"))
+    [line] = axes.plot([], [], color=drawing.PUSHER, linewidth=1)
+    tee = Polygon(outlines[0], facecolor=(drawing.TEE, 0.7), edgecolor=drawing.TEE, linewidth=1.5, zorder=2)
+    pusher = Circle((0, 0), PUSHER_RADIUS, color=drawing.PUSHER, zorder=3)
+    for body in (tee, pusher):
+        axes.add_patch(body)
+    label = axes.set_xlabel(" ")
+
+    def move(frame: int) -> None:
+        now = min(frame, len(path) - 1)
+        line.set_data(*path[: now + 1].T)
+        tee.set_xy(outlines[now])
+        pusher.set_center((path[now, 0], path[now, 1]))
+        label.set_text(_outcome(rollout) if rollout.success and now < frame else f"{now / CONTROL_HZ:.1f} s")
+
+    return move
+
+
+def _set_stage(axes: Axes, name: str, rollout: Rollout) -> Decoded:
+    """Draw what does not move, and return what the frames mean."""
+    decoded = decode(rollout.states, PUSHT, _schema())
+    drawing.draw_goal(axes, BODIES["target"], decoded.pose("target"))
+    corners = drawing.walls(PUSHT)
+    assert corners is not None
+    drawing.set_frame(axes, PUSHT, corners, margin=0.02)
+    axes.set(title=name, xticks=[], yticks=[], ylabel="")
+    axes.spines[:].set_visible(False)
+    return decoded
+
+
+@cache
+def _schema() -> Schema:
+    return load(STANDIN).schema
+
+
+def _outcome(rollout: Rollout) -> str:
+    seconds = len(rollout.actions) / CONTROL_HZ
+    return f"success after {seconds:.1f} s" if rollout.success else f"no success in {seconds:.0f} s"
