@@ -349,14 +349,15 @@ costs.differences(costs.DEMONSTRATIONS)
 # damage seem dearer than a larger one, remember how few seeds there are.)
 #
 # Now leave out what the audit names. Each row is held against the policy that learned from *all* of the same episodes.
-# And because fewer episodes are left, two fair rivals: as many at random, and as many of the shortest. It is a known
-# trap that "keep the good ones" often means no more than "keep the short ones".
+# And because fewer episodes are left, there are rivals: for `mixture` as many at random, and as many of the shortest,
+# for what failed as many at random. It is a known trap that "keep the good ones" often means no more than "keep the
+# short ones".
 
 # %%
 costs.differences(costs.DROPPED)
 
 # %% [markdown]
-# An arrow to the right is a check that paid. Here they are by name.
+# An arrow to the right is a check that paid, one to the left is a check that did harm. Here are both, by name.
 
 # %%
 for cost in costs.measured(sum(costs.DROPPED.values(), ())):

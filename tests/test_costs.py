@@ -49,10 +49,11 @@ def test_every_row_of_the_table_stands_in_one_place():
 
 
 def test_it_says_no_more_than_the_interval_allows(table, capsys):
-    costs.tell("right", "drop-boundaries", "late-2", "late-5", "plain")
-    right, same, half, none, missing = capsys.readouterr().out.splitlines()
+    costs.tell("right", "drop-boundaries", "yaw-swap-throughout", "late-2", "late-5", "plain")
+    right, same, few, half, none, missing = capsys.readouterr().out.splitlines()
     assert right.split() == ["right", "180", "of", "200", "(85%", "to", "93%)"]
     assert "no difference seen, +0 to +0 points against right" in same
+    assert "no difference seen, -5 to +0 points" in few
     assert re.search(r"costs \d\d to \d\d points against right$", half)
     assert "0 of 200 (0% to 2%)" in none
     assert missing.split() == ["plain", "not", "yet", "measured"]
