@@ -41,7 +41,7 @@ from layouts import STATS_PATH, Frames
 import z2r
 
 CAMERA = VIDEO.split("/")[1]
-SECONDS = 15
+SECONDS = 60
 PEAK = 800 * 2**20  # bytes, of which Python with pyarrow and rerun takes about 250 MiB
 
 # Reads what to look at line by line, and forks for each: Python and pyarrow are loaded once.
