@@ -54,7 +54,7 @@ from z2r.errors import DatasetError, count, some
 from z2r.format.about import cameras_of
 from z2r.format.dataset import in_order
 from z2r.format.decoding import check_can_decode
-from z2r.format.schema import ACTION, MAX_SIGNAL_SIZE, STATE, Schema
+from z2r.format.schema import ACTION, MAX_SIGNAL_SIZE, STATE, Schema, column_label
 from z2r.format.tables import DataColumns, read_data_blocks, read_data_file, read_data_footer
 from z2r.reading.breaks import BreakMode
 from z2r.reading.decode import can_decode, decode
@@ -556,8 +556,11 @@ def _not_checked(claims: Claims, sums: Sequence[FileSums], scene: Scene | None) 
 def _motion_not_checked(claims: Claims, sums: Sequence[FileSums]) -> Iterator[str]:
     """Say of which joints and episodes nobody knows whether they move as they should."""
     pairs = pairs_of(claims.schema, claims.reading)
-    if ACTION in claims.schema.signals() and not pairs:
-        yield "whether joints follow their commands: neither names nor a reading say which column a command drives"
+    if (action := claims.schema.signals().get(ACTION)) is not None:
+        alone = [column_label(ACTION, action, dim) for dim in {*range(action.size)} - {pair.dim for pair in pairs}]
+        what = some(alone) if pairs else "any command"
+        if alone:
+            yield f"whether {what} is followed: neither names nor a reading say which column it drives"
     lags = [part.following.lag for part in sums if part.following]
     if lags:
         lag = np.concatenate(lags)
@@ -570,6 +573,9 @@ def _motion_not_checked(claims: Claims, sums: Sequence[FileSums]) -> Iterator[st
         yield f"how the robot moves in {count(short, 'episode')} of fewer than {MIN_FRAMES} frames"
     if len(claims.table.number) > motion.MAX_COMPARED:
         yield f"near copies of a demonstration: there are more than {motion.MAX_COMPARED:,} episodes"
+    kept = [part.moments for part in sums if part.n_rows]
+    if why := relations.not_related(claims.schema, len(claims.table.number), kept):
+        yield f"whether each column goes with the others: {why}"
 
 
 def _meaning_not_checked(claims: Claims, sums: Sequence[FileSums], scene: Scene | None) -> Iterator[str]:

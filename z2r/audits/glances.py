@@ -244,9 +244,8 @@ def _glance(frame: Floats, numbers: Ints, pictures: Mapping[int, Small]) -> Glan
     seen = colours @ _BRIGHTNESS  # (n, 48, 64)
     first = [number for number in numbers[::_EACH].tolist() if {number + 1, number + 2} <= pictures.keys()]
     rows = [[pictures[number + ahead].colours for ahead in range(3)] for number in first]
-    in_a_row = (
-        np.array(rows, dtype=np.float32).reshape(-1, 3, *colours.shape[1:]) @ _BRIGHTNESS
-    )  # (n_threes, 3, 48, 64)
+    threes = np.array(rows, dtype=np.float32).reshape(-1, 3, *colours.shape[1:])
+    in_a_row = threes @ _BRIGHTNESS  # (n_threes, 3, 48, 64)
     bright, (one, two, three) = _as_bright(seen), np.moveaxis(_as_bright(in_a_row), 1, 0)
     level = in_a_row.mean(axis=(2, 3), dtype=np.float64)
     apart = np.abs(np.diff(seen, axis=0))

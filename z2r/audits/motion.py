@@ -332,41 +332,33 @@ NEAR_TWIN = Check("near-twin", "no demonstration is nearly that of another episo
 
 @NEAR_TWIN.of(Runs)
 def no_near_twins(runs: Runs) -> Iterator[Answer]:
-    """Is a demonstration a copy of another one, cut, shifted by a frame, or with noise added?"""
-    if STATE not in runs.steps or not 3 <= len(runs.number) <= MAX_COMPARED:
-        return
-    distance, neighbour = _nearest(_marks(runs, runs.claims.schema.features[STATE].size))
-    known = np.isfinite(distance)
-    if known.sum() < 3:
-        return
-    usual = float(np.quantile(distance[known], 0.75))
-    n = runs.n_frames
-    near = (
-        known
-        & (n >= MIN_FRAMES)
-        & ~_shared(runs)[2]
-        & (distance < _NEAR * usual)
-        & ((distance > 0) | (n != n[neighbour]))
-    )
-    pairs = sorted({tuple(sorted((run, int(neighbour[run])))) for run in np.flatnonzero(near).tolist()})
-    if pairs:
-        one, other = pairs[0]
-        more = and_more(np.ones(len(pairs), dtype=bool))
-        found = f"nearly episode {runs.number[one]} again: {distance[other]:.2g} apart{more}"
-        expected = f"demonstrations that differ by about {usual:.2g} of their spread"
-        again = tuple(sorted({int(runs.number[each]) for _, each in pairs}))
-        yield Fault(DATA_DIR, f"episode {runs.number[other]}", found, expected, _COUNTS_TWICE, again)
-
-
-@NEAR_TWIN.of(Runs)
-def no_frames_are_shared(runs: Runs) -> Iterator[Answer]:
-    """Are the frames of a demonstration those of another one, bit for bit, wherever each begins and ends?"""
+    """Is a demonstration a copy of another one: cut, wherever it begins and ends, or with noise added?"""
     shared, first, copied = _shared(runs)
     if copied.any():
         run = int(copied.argmax())
         found = f"about {shared[run]:.0%} of the frames of episode {runs.number[first[run]]} as well{and_more(copied)}"
         named = episodes_of(runs.number, copied)
         yield Fault(DATA_DIR, f"episode {runs.number[run]}", found, "frames of its own", _COUNTS_TWICE, named)
+    yield from _nearly_again(runs, ~copied)
+
+
+def _nearly_again(runs: Runs, asked: Bools) -> Iterator[Fault]:
+    """Find those of some runs that go nearly as another one does, frame for frame."""
+    if STATE not in runs.steps or not 3 <= len(runs.number) <= MAX_COMPARED:
+        return
+    distance, neighbour = _nearest(_marks(runs, runs.claims.schema.features[STATE].size))
+    known = np.isfinite(distance)
+    if known.sum() < 3:
+        return
+    usual, n = float(np.quantile(distance[known], 0.75)), runs.n_frames
+    near = asked & known & (n >= MIN_FRAMES) & (distance < _NEAR * usual) & ((distance > 0) | (n != n[neighbour]))
+    pairs = sorted({tuple(sorted((run, int(neighbour[run])))) for run in np.flatnonzero(near).tolist()})
+    if pairs:
+        one, other = pairs[0]
+        found = f"nearly episode {runs.number[one]} again: {distance[other]:.2g} apart{and_more(len(pairs))}"
+        expected = f"demonstrations that differ by about {usual:.2g} of their spread"
+        again = tuple(sorted({int(runs.number[each]) for _, each in pairs}))
+        yield Fault(DATA_DIR, f"episode {runs.number[other]}", found, expected, _COUNTS_TWICE, again)
 
 
 def _shared(runs: Runs) -> tuple[Floats, Ints, Bools]:

@@ -24,7 +24,6 @@ _MIDDLE = "q50"
 
 
 @STATS.of(Runs)
-@np.errstate(all="ignore")
 def quantiles_of_the_dataset(runs: Runs) -> Iterator[Answer]:
     """Do the quantiles in meta/stats.json lie where those of the episodes do?"""
     stored, features = runs.claims.stored.stats.value or {}, runs.claims.schema.features
@@ -35,26 +34,32 @@ def quantiles_of_the_dataset(runs: Runs) -> Iterator[Answer]:
             said = numbers(stored.get(name, {}).get(kind))
             if said is None or said.shape != width.shape:
                 continue
-            low, high = (
-                limit + sign * _SLACK * width for sign, limit in zip((-1, 1), _limits(of_episodes, kind), strict=True)
-            )
-            wrong = (width > 0) & ~((said >= low) & (said <= high))
-            if wrong.any():
-                off = np.where(wrong, np.maximum(low - said, said - high) / np.where(wrong, width, 1), 0)
+            low, high = _limits(of_episodes, kind, width)
+            off = _off(said, low, high, width)
+            if (off > 0).any():
                 column = int(off.argmax())
                 place = f"{name}.{kind}{features[name].at(column)}"
                 expected = f"{low[column]:.4g} to {high[column]:.4g}, by those of the episodes"
                 mend = f"π0.5 scales by them. Recompute them: {edit.recompute_stats(runs.claims.root)}"
-                yield Fault(STATS_PATH, place, f"{said[column]:.6g}{and_more(wrong)}", expected, mend)
-
-
-def _limits(of_episodes: Columns, kind: str) -> tuple[Floats, Floats]:
-    """Return between which numbers a quantile lies, (size,): the mean over the episodes, and the farthest of them."""
-    each, mean = of_episodes[kind].astype(np.float64), _mean(of_episodes, kind)
-    return each.min(axis=0) if kind <= _MIDDLE else mean, each.max(axis=0) if kind >= _MIDDLE else mean
+                yield Fault(STATS_PATH, place, f"{said[column]:.6g}{and_more(off > 0)}", expected, mend)
 
 
 @np.errstate(all="ignore")  # what is stored may be any number
+def _limits(of_episodes: Columns, kind: str, width: Floats) -> tuple[Floats, Floats]:
+    """Return between which numbers a quantile lies, (size,): the mean over the episodes, and the farthest of them."""
+    each, mean = of_episodes[kind].astype(np.float64), _mean(of_episodes, kind)
+    low, high = each.min(axis=0) if kind <= _MIDDLE else mean, each.max(axis=0) if kind >= _MIDDLE else mean
+    return low - _SLACK * width, high + _SLACK * width
+
+
+@np.errstate(all="ignore")
+def _off(said: Floats, low: Floats, high: Floats, width: Floats) -> Floats:
+    """Say how far a quantile is beyond its limits, in widths, (size,); 0 where it is not, or nothing moves."""
+    wrong = (width > 0) & ~((said >= low) & (said <= high))
+    return np.where(wrong, np.nan_to_num(np.maximum(low - said, said - high) / width, nan=np.inf), 0.0)
+
+
+@np.errstate(all="ignore")
 def _mean(of_episodes: Columns, kind: str) -> Floats:
     count = of_episodes["count"].astype(np.float64)
     mean: Floats = (of_episodes[kind].astype(np.float64) * count).sum(axis=0) / count.sum()

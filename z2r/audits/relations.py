@@ -5,7 +5,7 @@ effort from the posture, a foot's contact from its leg. How it does, only the da
 the other episodes. Where a column of one episode is far from what it should be by that, something else is recorded.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -34,8 +34,7 @@ _FEW = 0.3  # of the episodes: of more, nobody knows which ones are right
 
 def moments_to_keep(schema: Schema, n_episodes: int) -> int:
     """Return how many moments of each episode are kept, so that all of them are few enough; 0 where none are."""
-    n_columns = 2 * sum(feature.size for feature in schema.signals().values())
-    n = min(_MOST, _NUMBERS // max(n_columns * n_episodes, 1))
+    n = min(_MOST, _NUMBERS // max(2 * _n_columns(schema) * n_episodes, 1))
     return n if n >= _LEAST and n_episodes >= _MIN_EPISODES else 0
 
 
@@ -70,6 +69,27 @@ def keep_moments(schema: Schema, signals: Columns, starts: Ints, n_moments: int)
     return moments
 
 
+def not_related(schema: Schema, n_episodes: int, parts: Sequence[NDArray[np.float32] | None]) -> str:
+    """Say why no column is held against the others, of the moments that are kept of each file; empty where they are."""
+    if n_episodes >= _MIN_EPISODES and not moments_to_keep(schema, n_episodes):
+        return f"{n_episodes:,} episodes of so many columns are too many"
+    if {part.shape[-1] if part is not None else 0 for part in parts} - {_n_columns(schema)}:
+        return "not all of them can be read"
+    n_told = sum(int(_is_told(part).sum()) for part in parts if part is not None)
+    few = f"there are fewer than {_MIN_EPISODES} episodes of {_MIN_FRAMES} frames or more"
+    return few if min(n_told, n_episodes) < _MIN_EPISODES else ""
+
+
+def _n_columns(schema: Schema) -> int:
+    return sum(feature.size for feature in schema.signals().values())
+
+
+def _is_told(moments: NDArray[np.float32]) -> Bools:
+    """Tell of which runs moments are kept, bool[n_runs]."""
+    told: Bools = np.asarray(np.isfinite(moments.reshape(len(moments), -1)).all(axis=1))
+    return told
+
+
 RELATION = Check("relation", "each column goes with the others as it does in the other episodes", "note")
 
 
@@ -83,7 +103,7 @@ def columns_go_with_the_others(runs: Runs) -> Iterator[Answer]:
         for name in runs.stats
         for column in range(runs.claims.schema.features[name].size)
     ]
-    told = np.flatnonzero(np.isfinite(runs.moments).all(axis=(1, 2, 3)))
+    told = np.flatnonzero(_is_told(runs.moments))
     if len(told) < _MIN_EPISODES or runs.moments.shape[3] != len(labels):
         return
     off = _off(runs.moments[told])
@@ -123,9 +143,7 @@ def _off(moments: NDArray[np.float32]) -> _Off:
     k = scaled.shape[2]
     fold, good = np.arange(n) % _FOLDS, np.ones(n, dtype=bool)
     for _ in range(_ROUNDS):
-        sums = [
-            np.einsum("nmi,nmj->ij", part, part) for part in (scaled[good & (fold == one)] for one in range(_FOLDS))
-        ]
+        sums = [_products(scaled[good & (fold == one)]) for one in range(_FOLDS)]
         far = np.empty((n, n_columns))
         for one in range(_FOLDS):
             others = sum(sums) - sums[one]

@@ -30,17 +30,19 @@ _SAME_RATE = 1.5  # times too fast or too slow: a filter or a delay may be behin
 @UNIT.of(Runs)
 def episodes_have_one_unit(runs: Runs) -> Iterator[Answer]:
     """Does a column go, in some episodes, through a known part of the range that it goes through in all the others?"""
-    if len(runs.number) < _MIN_EPISODES or runs.n_frames.min() < _MIN_FRAMES:
+    long = runs.n_frames >= _MIN_FRAMES
+    if long.sum() < _MIN_EPISODES:
         return
     for name in (each for each in (STATE, ACTION) if each in runs.steps and each in runs.stats):
         span, path = runs.stats[name].high - runs.stats[name].low, runs.steps[name].path
         for column in range(span.shape[1]):
-            small, factor = _in_a_smaller_unit(span[:, column], path[:, column])
+            small = np.zeros(len(long), dtype=bool)
+            small[long], factor = _in_a_smaller_unit(span[long, column], path[long, column])
             if small.any():
                 number = runs.number[small].tolist()
                 place = f"{column_label(name, runs.claims.schema.features[name], column)} in {episodes_named(number)}"
                 found = f"a range of {np.median(span[small, column]):.3g}"
-                usual = np.median(span[~small, column])
+                usual = np.median(span[long & ~small, column])
                 expected = f"about {usual:.3g}, {factor:.4g} times as much, as in the others"
                 mend = f"Are these {_FACTORS[factor]}? Multiply or divide one of the two"
                 yield Fault(DATA_DIR, place, found, expected, mend, tuple(dict.fromkeys(number)))
