@@ -81,7 +81,7 @@ Image(rollouts.film(both, seconds=11), format="png")
 
 # %% [markdown]
 # The one on the right has learned to be late. It circles the block and never arrives. What each misreading costs, and
-# which cost nothing, is in [the last notebook](09_cost_of_a_misreading.ipynb). First, learn to read.
+# which cost nothing, is in [the last notebook](10_cost_of_a_misreading.ipynb). First, learn to read.
 #
 # ## The task
 #

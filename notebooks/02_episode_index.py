@@ -315,7 +315,7 @@ practice.check_without_index(prediction, messy)
 
 # %% [markdown]
 # `z2r` can ignore the index on purpose. It calls such a wrong assumption a *break mode*, and this one
-# `drop-boundaries`. [Notebook 06](06_break_modes.ipynb) has more of them.
+# `drop-boundaries`. [Notebook 06](07_break_modes.ipynb) has more of them.
 
 # %%
 wrong = z2r.break_mode("drop-boundaries").dataset(dataset).episodes

@@ -293,7 +293,7 @@ for name, first, second in (("right", sines, cosines), ("swapped", cosines, sine
 
 # %% [markdown]
 # It cannot. A sum does not care about the order of its terms, and the order is all that was wrong. What did help was
-# to look at a picture. [Notebook 06](06_break_modes.ipynb) has a check that needs no eyes.
+# to look at a picture. [Notebook 06](07_break_modes.ipynb) has a check that needs no eyes.
 #
 # ## Practice
 #

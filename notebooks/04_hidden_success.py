@@ -143,7 +143,7 @@ print(f"ang_err by hand, z2r: {ang_err:.4f} {errors['ang_err'][-1]:.4f}")
 # %% [markdown]
 # This is the function. It asks each goal for its number, and files the number under the goal's name. A goal on a
 # distance does what you did with `hypot`, a goal on a turn does what you did with `%`. (That one can be told not to
-# wrap, and [a later notebook](08_field_guide.ipynb) does so, on purpose.)
+# wrap, and [a later notebook](09_field_guide.ipynb) does so, on purpose.)
 
 # %%
 show_source(z2r.frame_errors)

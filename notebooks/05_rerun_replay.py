@@ -341,5 +341,5 @@ figures.episode_path(z2r.decode(state, z2r.PUSHT, dataset.schema))
 # - **check** it: `RrdReader` gives the rows back, one for each frame;
 # - **watch** an episode: flat traces mean that the pusher walks, steep ones that it pushes.
 #
-# Next: [How do I know that I read it right?](06_break_modes.ipynb) shows a mistake that the share of episodes that
+# Next: [How do I know that I read it right?](07_break_modes.ipynb) shows a mistake that the share of episodes that
 # reached the target does not give away, and a check that does.

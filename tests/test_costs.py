@@ -134,7 +134,7 @@ def test_the_page_needs_neither_torch_nor_the_simulator():
 
 
 def test_every_number_in_the_prose_is_one_that_a_cell_has():
-    page = committed("09_cost_of_a_misreading")
+    page = committed("10_cost_of_a_misreading")
     cells = code_cells(page)
     there = set(numbers("\n".join([*(cell.source for cell in cells), *(str(shown(cell)) for cell in cells)])))
     prose = "\n".join(

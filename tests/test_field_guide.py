@@ -123,5 +123,5 @@ def test_action_and_motion_are_drawn_frame_by_frame():
 @pytest.mark.parametrize("mode", [mode for mode in BREAK_MODES.values() if mode.seen_in])
 def test_a_case_is_an_address_that_the_course_links_to(mode):
     pages = Path(z2r.__file__).parents[1] / "notebooks"
-    assert f"({mode.seen_in})" in (pages / "08_field_guide.py").read_text()
+    assert f"({mode.seen_in})" in (pages / "09_field_guide.py").read_text()
     assert mode.seen_in.startswith("https://github.com/")

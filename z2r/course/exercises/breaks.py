@@ -1,4 +1,4 @@
-"""Exercises of `06_break_modes`: how do I know that I read it right?"""
+"""Exercises of `07_break_modes`: how do I know that I read it right?"""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""Exercises of `09_cost_of_a_misreading`: what does a misreading cost?"""
+"""Exercises of `10_cost_of_a_misreading`: what does a misreading cost?"""
 
 from collections.abc import Callable, Sequence
 from itertools import combinations

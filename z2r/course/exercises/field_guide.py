@@ -1,4 +1,4 @@
-"""Exercises of `08_field_guide`: what is wrong with this dataset?"""
+"""Exercises of `09_field_guide`: what is wrong with this dataset?"""
 
 import shutil
 import textwrap

@@ -1,4 +1,4 @@
-"""Exercises of `07_your_dataset`: is my data any good?"""
+"""Exercises of `08_your_dataset`: is my data any good?"""
 
 import shutil
 import tempfile

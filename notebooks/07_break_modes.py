@@ -15,7 +15,7 @@
 # ---
 
 # %% [markdown] tags=["badge"]
-# [![Open in Colab](https://colab.research.google.com/assets/colab-badge.svg)](https://colab.research.google.com/github/zero2robot/seeing-like-a-robot/blob/main/notebooks/06_break_modes.ipynb)
+# [![Open in Colab](https://colab.research.google.com/assets/colab-badge.svg)](https://colab.research.google.com/github/zero2robot/seeing-like-a-robot/blob/main/notebooks/07_break_modes.ipynb)
 #
 # The link opens this notebook in Colab as soon as the repository of the course is public.
 
@@ -174,7 +174,7 @@ practice.check_swap(swap)
 # %% [markdown]
 # ## Three signatures
 #
-# Three break modes are enough to begin with; [a later notebook](08_field_guide.ipynb) has the others. `yaw-swap` you
+# Three break modes are enough to begin with; [a later notebook](09_field_guide.ipynb) has the others. `yaw-swap` you
 # know. `drop-boundaries` believes that there are no episodes. `yaw-swap-everywhere` makes the swap twice, for the block
 # and for the target. Here they are beside the right reading. The last column is the error in yaw at the ends of the
 # episodes, from the smallest to the largest.
@@ -374,5 +374,5 @@ print("Python's own is still itself:", inspect.isfunction(inspect.signature))
 # - **check** a reading by `overlap`: a few mm read right, 30 mm with a swapped yaw;
 # - **avoid** calling a script `inspect.py`, or by the name of any other module.
 #
-# Next: [Is my data any good?](07_your_dataset.ipynb) points all of this at a dataset of your own. Ten more wrong
-# readings are in [What is wrong with this dataset?](08_field_guide.ipynb)
+# Next: [Is my data any good?](08_your_dataset.ipynb) points all of this at a dataset of your own. Ten more wrong
+# readings are in [What is wrong with this dataset?](09_field_guide.ipynb)

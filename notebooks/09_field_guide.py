@@ -15,7 +15,7 @@
 # ---
 
 # %% [markdown] tags=["badge"]
-# [![Open in Colab](https://colab.research.google.com/assets/colab-badge.svg)](https://colab.research.google.com/github/zero2robot/seeing-like-a-robot/blob/main/notebooks/08_field_guide.ipynb)
+# [![Open in Colab](https://colab.research.google.com/assets/colab-badge.svg)](https://colab.research.google.com/github/zero2robot/seeing-like-a-robot/blob/main/notebooks/09_field_guide.ipynb)
 #
 # The link opens this notebook in Colab as soon as the repository of the course is public.
 
@@ -450,7 +450,7 @@ for belief in z2r.audit_beliefs(root).beliefs:
 #
 # ## All of them
 #
-# Three more break modes are the subject of [an earlier notebook](06_break_modes.ipynb): `yaw-swap`
+# Three more break modes are the subject of [an earlier notebook](07_break_modes.ipynb): `yaw-swap`
 # ([met](https://github.com/rust-embedded/discovery/pull/444) in a tutorial for a compass), `drop-boundaries`
 # ([met](https://github.com/strands-labs/robots/issues/708) where 20 episodes became one) and `yaw-swap-everywhere`
 # ([met](https://github.com/ngageoint/hootenanny/issues/2804) in a program for maps, with the remark that the
@@ -590,6 +590,6 @@ practice.check_diagnosis("c", answer)
 # - **audit** a dataset: `z2r audit my_dataset`, and read the last lines, which say what was not checked;
 # - **find** what is wrong with a dataset, first from the numbers, then from the picture, then from both.
 #
-# Next: [What does a misreading cost?](09_cost_of_a_misreading.ipynb) trains a policy on such mistakes, and counts. And
+# Next: [What does a misreading cost?](10_cost_of_a_misreading.ipynb) trains a policy on such mistakes, and counts. And
 # run `z2r audit` on a dataset of your own, before you train on it. How to read one is in
-# [Is my data any good?](07_your_dataset.ipynb)
+# [Is my data any good?](08_your_dataset.ipynb)

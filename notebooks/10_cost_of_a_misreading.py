@@ -15,7 +15,7 @@
 # ---
 
 # %% [markdown] tags=["badge"]
-# [![Open in Colab](https://colab.research.google.com/assets/colab-badge.svg)](https://colab.research.google.com/github/zero2robot/seeing-like-a-robot/blob/main/notebooks/09_cost_of_a_misreading.ipynb)
+# [![Open in Colab](https://colab.research.google.com/assets/colab-badge.svg)](https://colab.research.google.com/github/zero2robot/seeing-like-a-robot/blob/main/notebooks/10_cost_of_a_misreading.ipynb)
 #
 # The link opens this notebook in Colab as soon as the repository of the course is public.
 
@@ -459,5 +459,5 @@ practice.check_interval(my_interval)
 # - **read** *97 of 100* with its interval, and *no difference seen* as what it is;
 # - **decide** by paired starts whether a check pays, with length held against it, and ask what a frame lacks.
 #
-# This was the last notebook. Next: take a dataset of your own, [read it](07_your_dataset.ipynb), audit it, replay it.
+# This was the last notebook. Next: take a dataset of your own, [read it](08_your_dataset.ipynb), audit it, replay it.
 # And only then train.

@@ -15,7 +15,7 @@
 # ---
 
 # %% [markdown] tags=["badge"]
-# [![Open in Colab](https://colab.research.google.com/assets/colab-badge.svg)](https://colab.research.google.com/github/zero2robot/seeing-like-a-robot/blob/main/notebooks/07_your_dataset.ipynb)
+# [![Open in Colab](https://colab.research.google.com/assets/colab-badge.svg)](https://colab.research.google.com/github/zero2robot/seeing-like-a-robot/blob/main/notebooks/08_your_dataset.ipynb)
 #
 # The link opens this notebook in Colab as soon as the repository of the course is public.
 
@@ -305,7 +305,7 @@ print(my_reading)
 
 # %% [markdown]
 # It understood. Now inspect the dataset with this reading, once right, and once with the two columns of the part's yaw
-# swapped. The break modes of [the notebook before](06_break_modes.ipynb) work on any reading that has what they get
+# swapped. The break modes of [the notebook before](07_break_modes.ipynb) work on any reading that has what they get
 # wrong.
 
 # %%
@@ -396,7 +396,7 @@ except z2r.DatasetError as error:
 # 3. Which episodes are very short, which have exactly the length of the time limit? Watch one of each kind.
 # 4. Does any dimension never move, or go further than the robot can?
 # 5. How many episodes reached the goal? Say the number of episodes with it, and whether it is a reading or a verdict.
-# 6. Do the bodies overlap where they cannot? That is the check of [the notebook before](06_break_modes.ipynb). Its
+# 6. Do the bodies overlap where they cannot? That is the check of [the notebook before](07_break_modes.ipynb). Its
 #    `overlap` knows only this task. For another robot, find such a fact of your own.
 # 7. Have you watched three whole episodes as [a replay](05_rerun_replay.ipynb)? Not the first three: some from the
 #    middle.
@@ -457,5 +457,5 @@ print(f"reached: {sum(reached)} of {len(reached)}, success: {sum(success)} of {l
 # - **decide** with seven questions whether to train.
 #
 # Next: take a dataset of your own, change one line, `DATASET`, and write its reading. Then
-# [What is wrong with this dataset?](08_field_guide.ipynb) shows ten ways in which one can be wrong, and how to notice.
+# [What is wrong with this dataset?](09_field_guide.ipynb) shows ten ways in which one can be wrong, and how to notice.
 # If you came here first, begin with [What is in this robot dataset?](00_start_here.ipynb)
