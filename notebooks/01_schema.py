@@ -24,8 +24,7 @@
 #
 # A robot in a simulated kitchen is driven by twelve numbers. One program took the first four for the wheels. They
 # belonged to the hand. [Nothing crashed](https://github.com/TensorAuto/OpenTau/pull/550): every episode ran to its end,
-# and only the results were wrong. A network does not mind. Give it the hand where the wheels should be, and it trains
-# all the same.
+# and only the results were wrong. A network does not mind what it is fed.
 #
 # Which number is which is written down once: in the *schema* of the dataset. Here you take two of them apart.
 #
@@ -121,8 +120,8 @@ for name, feature in arm_info["features"].items():
         print(f"{name:30}{feature['dtype']:9}{feature['shape']}")
 
 # %% [markdown]
-# Its pictures have 120 rows and 160 columns, in three colours, and stand in the videos. The bookkeeping is the same and
-# not printed again. Now the names. Ten numbers need ten of them, or nobody knows which is which.
+# Its pictures have 120 rows and 160 columns, in three colours, and are in the videos. The bookkeeping is the same, and
+# left out here. Now the names: without them, nobody knows which of the ten numbers is which.
 
 # %%
 names = info["features"]["observation.state"]["names"]
@@ -143,7 +142,7 @@ print("arm:", *joints, sep="\n  ")
 # %%
 def read_rows(root, columns):
     file = pq.ParquetFile(root / "data/chunk-000/file-000.parquet")
-    return file.read_row_group(0, columns=columns).to_pylist()
+    return file.read(columns=columns).to_pylist()
 
 
 rows = read_rows(z2r.STANDIN, ["observation.state", "action"])
@@ -232,8 +231,8 @@ for word in ("success", "reward", "done"):
 #
 # ## Is that what LeRobot reads?
 #
-# You opened the files by hand, and `z2r.load` opened the same ones. LeRobot's own reader is made for training: it
-# brings PyTorch, and takes some seconds to load. Where it is not installed, the cell says so.
+# LeRobot's own reader is made for training: it brings PyTorch, and takes some seconds to load. Where it is not
+# installed, the cell says so.
 
 # %% tags=["record"]
 if importlib.util.find_spec("lerobot"):
@@ -242,14 +241,14 @@ if importlib.util.find_spec("lerobot"):
     from lerobot.datasets.lerobot_dataset import LeRobotDataset
 
     other = LeRobotDataset("z2r/arm", root=z2r.ARM, video_backend="pyav")
-    print("frames:", other.num_frames == arm.schema.total_frames)
-    print("features:", list(other.features) == list(arm.schema.features))
-    print("a picture:", tuple(other[0]["observation.images.front"].shape))
+    print("the same frames:", other.num_frames == arm.schema.total_frames)
+    print("the same features:", list(other.features) == list(arm.schema.features))
+    print("shape of a picture:", tuple(other[0]["observation.images.front"].shape))
 else:
     print("LeRobot is not installed here")
 
 # %% [markdown]
-# The same frames, the same features. Its picture puts the three colours first.
+# It agrees. Only its pictures have another shape: the three colours come first.
 #
 # ## Names, not column numbers
 #
