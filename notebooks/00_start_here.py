@@ -22,8 +22,8 @@
 # %% [markdown]
 # # What is in this robot dataset?
 #
-# Two programs learned to push a block. They had the same 400 demonstrations and the same code, and both trainings ran to
-# the end without a warning. One of the two succeeds nearly every time. The other hardly ever does.
+# Two programs learned to push a block. They had the same 400 demonstrations and the same code, and both trainings ran
+# to the end without a warning. One of the two succeeds nearly every time. The other hardly ever does.
 #
 # For the second, every action had been read half a second late. That was all.
 
@@ -59,8 +59,8 @@ both = {title: read_rollout(row) for title, row in both.items()}
 Image(rollouts.film(both, seconds=11), format="png")
 
 # %% [markdown]
-# Such a program is called a *policy*: it looks, and then it acts. `late-5` is late by five frames, of ten in a second.
-# Both start from the same place. The one on the right circles the block and never arrives.
+# Such a program is called a *policy*: it looks, and then it acts. `late-5` is late by five frames, of ten in a
+# second. Both start from the same place. The one on the right circles the block and never arrives.
 #
 # A dataset is full of numbers that mean something: an angle, a speed, the end of a demonstration. The file does not
 # check what you take them for. This course teaches you to read them, and to prove that you read them right.
@@ -76,8 +76,9 @@ Image(rollouts.film(both, seconds=11), format="png")
 #
 # ## Load
 #
-# The robot is a disc, the *pusher*. It shoves a block in the shape of a T onto a target: to the right place, and turned
-# the right way. Somebody recorded that six times, in the format of LeRobot, an open-source library for robot learning.
+# The robot is a disc, the *pusher*. It shoves a block in the shape of a T onto a target: to the right place, and
+# turned the right way. Somebody recorded that six times, in the format of LeRobot, an open-source library for robot
+# learning.
 #
 # A LeRobot dataset is a folder. One small file in it says what the rest holds, in plain JSON.
 
@@ -107,7 +108,8 @@ right = z2r.decode(episode, z2r.PUSHT, dataset.schema)
 figures.moments(right)
 
 # %% [markdown]
-# The pusher walks around the block, pushes, walks around again, pushes again. At the end, the block lies on the target.
+# The pusher walks around the block, pushes, walks around again, pushes again. At the end, the block lies on the
+# target.
 #
 # `z2r.PUSHT` is a *reading*. It says which named column means what, in which unit, and what counts as reached. The
 # numbers are in the dataset. What they mean is in the reading, and a reading can be wrong.
@@ -124,9 +126,9 @@ print(z2r.PUSHT)
 print(*info["features"])
 
 # %% [markdown]
-# An observation, an action, and five columns of bookkeeping. No success, no reward. The observation, though, holds the
-# pose of the block and of the target. If the block lies on the target in the **last** frame of an episode, within both
-# limits of the reading, the episode *reached* it.
+# An observation, an action, and five columns of bookkeeping. No success, no reward. The observation, though, holds
+# the pose of the block and of the target. If the block lies on the target in the **last** frame of an episode, within
+# both limits of the reading, the episode *reached* it.
 
 # %%
 outcome = z2r.inspect_dataset(dataset).outcome
@@ -148,8 +150,8 @@ print("reached:", outcome.tally)
 # is wrong. The one named `yaw-swap` swaps the two **for the block only**. The yaw of the target, which is 0, is still
 # read right.
 #
-# **Predict, then run.** Episodes 0, 1 and 2 all reached the target. Read with `yaw-swap`, how many of these three seem
-# to have reached it? Put 0, 1, 2 or 3 in place of `None`, and run the cell.
+# **Predict, then run.** Episodes 0, 1 and 2 all reached the target. Read with `yaw-swap`, how many of these three
+# seem to have reached it? Put 0, 1, 2 or 3 in place of `None`, and run the cell.
 
 # %% tags=["exercise", "yaw-swap"]
 prediction = None
@@ -182,8 +184,8 @@ wrong = z2r.decode(episode, yaw_swap, dataset.schema)
 figures.right_and_wrong(right, wrong)
 
 # %% [markdown]
-# The block ends in the right place, lying on its side, and the pusher is *inside* it. Remember that: solid bodies don't
-# overlap. [A later notebook](07_break_modes.ipynb) turns it into a check that needs no eyes.
+# The block ends in the right place, lying on its side, and the pusher is *inside* it. Remember that: solid bodies
+# don't overlap. [A later notebook](07_break_modes.ipynb) turns it into a check that needs no eyes.
 #
 # Now take it into your own hands. Press *Play*, pick an episode, then open *How is it read?* and choose `yaw-swap`.
 

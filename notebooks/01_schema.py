@@ -23,8 +23,8 @@
 # # What is a frame?
 #
 # A robot in a simulated kitchen is driven by twelve numbers. One program took the first four for the wheels. They
-# belonged to the hand. [Nothing crashed](https://github.com/TensorAuto/OpenTau/pull/550): every episode ran to its end,
-# and only the results were wrong. A network does not mind what it is fed.
+# belonged to the hand. [Nothing crashed](https://github.com/TensorAuto/OpenTau/pull/550): every episode ran to its
+# end, and only the results were wrong. A network does not mind what it is fed.
 #
 # Which number is which is written down once: in the *schema* of the dataset. Here you take two of them apart.
 #
@@ -120,8 +120,8 @@ for name, feature in arm_info["features"].items():
         print(f"{name:30}{feature['dtype']:9}{feature['shape']}")
 
 # %% [markdown]
-# Its pictures have 120 rows and 160 columns, in three colours, and are in the videos. The bookkeeping is the same, and
-# left out here. Now the names: without them, nobody knows which of the ten numbers is which.
+# Its pictures have 120 rows and 160 columns, in three colours, and are in the videos. The bookkeeping is the same,
+# and left out here. Now the names: without them, nobody knows which of the ten numbers is which.
 
 # %%
 names = info["features"]["observation.state"]["names"]
@@ -167,7 +167,8 @@ state = dataset.read("observation.state")
 figures.episode_path(z2r.decode(state[:1], z2r.PUSHT, dataset.schema))
 
 # %% [markdown]
-# And here is the arm's, which nobody has to draw. These two pictures are as much a part of the frame as the six joints.
+# And here is the arm's, which nobody has to draw. These two pictures are as much a part of the frame as the six
+# joints.
 
 # %%
 arm = z2r.load(z2r.ARM)
@@ -207,9 +208,9 @@ for row in read_rows(z2r.STANDIN, columns)[66:69]:
     print(*(f"{row[name]:{len(name)}.3g}" for name in columns))
 
 # %% [markdown]
-# `timestamp` counts seconds and `frame_index` counts frames, and both begin again with each episode. `index` counts on
-# through the whole dataset. `task_index` is the number of a sentence, stored once, in a table of its own. The arm has
-# two.
+# `timestamp` counts seconds and `frame_index` counts frames, and both begin again with each episode. `index` counts
+# on through the whole dataset. `task_index` is the number of a sentence, stored once, in a table of its own. The arm
+# has two.
 
 # %%
 for row in pq.ParquetFile(z2r.ARM / "meta/tasks.parquet").read().to_pylist():
@@ -261,8 +262,8 @@ for name in (names[4], sorted(names)[4]):
     print(f"{name:15}from {values.min():5.2f} to {values.max():5.2f}")
 
 # %% [markdown]
-# The sine of the *target*. It is a `float32` between -1 and 1, as the other one is. But it is 0 in every frame, and so
-# the block would never seem to turn. Ask the schema instead: you give names, and it gives their columns in this
+# The sine of the *target*. It is a `float32` between -1 and 1, as the other one is. But it is 0 in every frame, and
+# so the block would never seem to turn. Ask the schema instead: you give names, and it gives their columns in this
 # dataset. A name that is not there is an error. A wrong column number would have given numbers.
 
 # %%
@@ -304,8 +305,8 @@ practice.check_values_of(values_of)
 # </details>
 
 # %% [markdown]
-# **Bug hunt.** This should return x and y of the block. A friend wrote it for another dataset, and there it was right.
-# Here it runs too, and gives two numbers for each frame. Make it right for any dataset that has the names.
+# **Bug hunt.** This should return x and y of the block. A friend wrote it for another dataset, and there it was
+# right. Here it runs too, and gives two numbers for each frame. Make it right for any dataset that has the names.
 
 
 # %% tags=["exercise", "block-position"]

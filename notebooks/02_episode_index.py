@@ -23,9 +23,10 @@
 # # Where does one demonstration end?
 #
 # A team trained the same network twice, on the same demonstrations. Once they were stored in version 2 of LeRobot's
-# format, a file for each episode, and once in version 3, where many episodes share a file. The second robot came out
-# much worse. [The reason](https://github.com/starVLA/starVLA/pull/285) was one number: the loader had looked for the
-# film of an episode in the wrong file. Every frame was fine, and its pictures belonged to another demonstration.
+# format, a file for each episode, and once in version 3, where many episodes share a file. The second policy was much
+# worse. [The reason](https://github.com/starVLA/starVLA/pull/285) was one number: to find the film of an episode, the
+# loader took the number of its data file. The numbers were fine, and the pictures were those of another
+# demonstration.
 #
 # In version 3 all demonstrations lie one after another, in the table and in the film. The *episode index* says where
 # each begins and ends.
@@ -89,9 +90,9 @@ for row in index:
     print(*(f"{row[name]:{len(name)}}" for name in columns))
 
 # %% [markdown]
-# Episode 1 has 74 frames, from 67 to 141. Count from 67 to 141, both included, and you get 75. So **`from` is included,
-# `to` is not**: frame 141 is already the first of episode 2. Such a range is called *half-open*. Python's slices work
-# the same way.
+# Episode 1 has 74 frames, from 67 to 141. Count from 67 to 141, both included, and you get 75. So **`from` is
+# included, `to` is not**: frame 141 is already the first of episode 2. Such a range is called *half-open*. Python's
+# slices work the same way.
 #
 # **Complete the line.** Return how many frames a range has. It is also tried on whole columns, as numpy arrays.
 
@@ -121,8 +122,8 @@ practice.check_episode_length(episode_length)
 # %% [markdown]
 # ## Cut one out
 #
-# `z2r.load` keeps the index in `dataset.episodes`. Ask it for an episode, and you get a slice. That cuts any array with
-# a row for every frame.
+# `z2r.load` keeps the index in `dataset.episodes`. Ask it for an episode, and you get a slice. That cuts any array
+# with a row for every frame.
 
 # %%
 state = dataset.read("observation.state")
@@ -162,8 +163,8 @@ practice.check_cut(cut)
 # %% [markdown]
 # ## Lengths tell stories
 #
-# `messy` is a less tidy recording of the same task. Each piece is an episode, as wide as it is long. Which ones strike
-# you?
+# `messy` is a less tidy recording of the same task. Each piece is an episode, as wide as it is long. Which ones
+# strike you?
 
 # %%
 messy = z2r.load(z2r.MESSY)
@@ -183,8 +184,8 @@ for i, pos_err, ang_err in zip(short, *errors.values(), strict=True):
     print(f"turned by {np.rad2deg(ang_err):3.0f} degrees")
 
 # %% [markdown]
-# Two began within 6 cm of the target, and one of these with hardly a turn to make. The other two were lucky with one
-# push. No key was pressed. But three of the four still had to turn by 30 degrees or more: look, before you throw away.
+# Two of them began within 6 cm of the target. And all four reached it, as a picture further down shows. Nobody
+# pressed a key. A short episode is a reason to look, and no reason to throw it away.
 #
 # ## One story, told three times
 #
@@ -210,8 +211,10 @@ arm = z2r.load(z2r.ARM)
 camera = "videos/observation.images.front"
 times = [f"{camera}/from_timestamp", f"{camera}/to_timestamp"]
 path = z2r.ARM / "meta/episodes/chunk-000/file-000.parquet"
-for row in pq.ParquetFile(path).read(columns=["length", *times]).to_pylist()[:3]:
-    print(f"{row['length']} frames, from {row[times[0]]:6.3f} to {row[times[1]]:6.3f} s")
+film = pq.ParquetFile(path).read(columns=["length", *times])
+for row in film.to_pylist()[:3]:
+    start, stop = row[times[0]], row[times[1]]
+    print(f"{row['length']} frames, from {start:6.3f} to {stop:6.3f} s")
 
 # %% [markdown]
 # Half-open again: at 30 frames a second, 129 frames take 4.3 s, and the picture at 4.3 s belongs to the next episode.
@@ -233,8 +236,8 @@ figures.seams(decoded, dataset.episodes)
 
 
 # %% [markdown]
-# Five leaps, in a tenth of a second each. Could one find the seams by their leaps, then, and do without the index? Keep
-# the steps inside an episode apart from those across a seam.
+# Five leaps, in a tenth of a second each. Could one find the seams by their leaps, then, and do without the index?
+# Keep the steps inside an episode apart from those across a seam.
 
 
 # %%
@@ -249,14 +252,15 @@ def block_steps(dataset):
 for name, each in (("standin", dataset), ("messy", messy)):
     inside, across = block_steps(each)
     print(f"{name:8} inside at most {inside.max():.3f} m,", end=" ")
-    print("across", *(f"{step:.3f}" for step in sorted(across)[:3]), "m and more")
+    smallest = np.sort(across)[:3].round(3)
+    print("across", *smallest, "m and more")
 
 # %% [markdown]
 # In `standin`, a limit of 10 cm finds every seam. In `messy` it misses two of 13: the block was put back 5.2 cm from
 # where it lay, and a push moves it by up to 4.2. Do not guess where an episode ends. The index knows.
 #
-# **Predict, then run.** The last frame of an episode shows whether the block *reached* the target. Read with the index,
-# it looks like this.
+# **Predict, then run.** The last frame of an episode shows whether the block *reached* the target. Read with the
+# index, it looks like this.
 
 # %%
 reached = z2r.inspect_dataset(messy).outcome.reached
@@ -282,7 +286,8 @@ practice.check_without_index(prediction, messy)
 
 # %%
 wrong = z2r.break_mode("drop-boundaries").dataset(messy).episodes
-print(len(messy.episodes), "episodes read right,", len(wrong), "read wrong:", wrong[0])
+print(len(messy.episodes), "episodes read right")
+print(len(wrong), "read wrong:", wrong[0])
 
 # %% [markdown]
 # ## You can now

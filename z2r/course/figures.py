@@ -144,9 +144,9 @@ def seams(decoded: Decoded, episodes: EpisodeIndex) -> Figure:
     for before, after in zip(episodes.to_index[:-1] - 1, episodes.from_index[1:], strict=True):
         ends = path[[before, after]]
         axes.plot(*ends.T, color=drawing.WRONG, linestyle="--", linewidth=1.8, gid="seam")
-        drawing.write_label(axes, f"{before} to {after}", ends[1], ends[1] - ends[0], drawing.WRONG)
+        drawing.write_label(axes, f"{after}", ends[1], ends[1] - ends[0], drawing.WRONG)
     drawing.set_frame(axes, decoded.reading, path, margin=0.2 * float(np.ptp(path, axis=0).max()) or 1.0, ratio=1.4)
-    axes.set_title(f"solid: the {bodies[moved].label} moves, dashed: frame to frame across a seam")
+    axes.set_title(f"solid: the {bodies[moved].label} moves, dashed: to the first frame of the next episode")
     return figure
 
 
