@@ -157,7 +157,7 @@ print("wrapped:   ", *((np.diff(yaws) + 180) % 360 - 180).round(1))
 
 # %% [markdown]
 # No block turns by -350° in a tenth of a second. It turned by 10° and passed the jump. *Wrap* the difference: shift
-# by half a turn, take the remainder, shift back. `z2r.wrap_angle` does it in radians.
+# it by half a turn, take the remainder, shift it back. `z2r.wrap_angle` does it in radians.
 #
 # **Bug hunt.** How far apart are two yaws, in radians, from 0 to pi? From 10° to 40° the function is right. From 179°
 # to -179° it is wrong, though it does wrap.
@@ -201,9 +201,12 @@ for name, values in zip(joint_names, joints.T, strict=True):
     print(f"{name:18}{values.min():7.1f} to {values.max():6.1f}")
 
 # %% [markdown]
-# None of them can be radians. Five are degrees. The gripper is no angle at all: it is in percent of its range, and 0
-# is closed. The other way round is harder: an elbow in radians looks just like a joint in degrees that hardly moves.
-# [Your dataset](08_your_dataset.ipynb) may hold one.
+# None of them can be radians. LeRobot also knows joints in percent of their range, from -100 to 100, but `wrist_roll`
+# goes beyond. That leaves degrees. The gripper is no angle at all: it is in percent, and 0 is closed. So says whoever
+# recorded it. The dataset does not.
+#
+# The other way round is harder: an elbow in radians looks just like a joint in degrees that hardly moves. [Your
+# dataset](08_your_dataset.ipynb) may hold one.
 #
 # Here is the elbow where it bends most, in the four ways that you will meet.
 
@@ -271,8 +274,7 @@ for degrees in (0, 30, 45, 60, 90):
 figures.yaw_circle(sin_yaw=0.5, cos_yaw=0.866)
 
 # %% [markdown]
-# A mirror reverses every turn as well, as a clock runs backwards in it. Add up all the small turns of the block in
-# episode 1.
+# In a mirror a clock runs backwards. So does the block of episode 1. Add up all its small turns.
 
 # %%
 pair = state[dataset.episodes[1]][:, columns].T

@@ -83,6 +83,8 @@ dataset = z2r.load(z2r.STANDIN)
 episode = dataset.read("observation.state")[dataset.episodes[0]]
 names = dataset.schema.features["observation.state"].dim_names
 last = dict(zip(names, episode[-1].tolist(), strict=True))
+
+# %%
 dx, dy = last["tee_x"] - last["target_x"], last["tee_y"] - last["target_y"]
 tee_yaw = math.atan2(last["sin_tee_yaw"], last["cos_tee_yaw"])
 target_yaw = math.atan2(last["sin_target_yaw"], last["cos_target_yaw"])
