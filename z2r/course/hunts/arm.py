@@ -1,0 +1,113 @@
+"""What do the hunts know of `arm`? Its episodes, column by column, which of them did their task, and what can go wrong.
+
+What goes wrong makes new frames of some frames; arrays are never written to.
+"""
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from z2r.api import load
+from z2r.data import ARM
+from z2r.format.schema import ACTION, STATE
+from z2r.reading.reading import column_names
+
+PLACED, LIFTED = (0, 1, 2, 3, 5, 6, 7), (8, 9, 10)
+"""The episodes that did it, by task: the verdict beside the dataset says so."""
+NOT_PLACED, NOT_LIFTED = (4,), (11, 12)
+"""Those that did not: dropped on the way; lifted beside the goal, and missed."""
+
+JOINTS = tuple(f"{joint}.pos" for joint in ("shoulder_pan", "shoulder_lift", "elbow_flex", "wrist_flex", "wrist_roll"))
+"""The joints that are angles [deg]."""
+JAWS = "gripper.pos"
+"""How far open the jaws are [percent]."""
+COMMAND = f"{ACTION}/"
+"""What the name of a column begins with that is a command."""
+
+_WORLD = "observation.environment_state/"
+_AXES = ("x", "y", "z")
+
+type Frames = dict[str, NDArray[Any]]
+"""The columns of some frames by their names, float64[n_frames] each; and pictures, where there are any."""
+
+
+@cache
+def _recorded() -> tuple[Frames, ...]:
+    dataset = load(ARM)
+    columns: Frames = {}
+    for feature in (STATE, _WORLD.removesuffix("/"), ACTION):
+        names = [name.removeprefix(_WORLD) for name in column_names(feature, dataset.schema)]
+        columns |= dict(zip(names, dataset.read(feature).T.astype(np.float64), strict=True))
+    episodes = (dataset.episodes[number] for number in range(len(dataset.episodes)))
+    return tuple({name: values[frames] for name, values in columns.items()} for frames in episodes)
+
+
+def episode(number: int) -> Frames:
+    """Return the columns of one episode, which are the caller's own."""
+    return {name: values.copy() for name, values in _recorded()[number].items()}
+
+
+def commands(frames: Frames) -> NDArray[Any]:
+    """Return what the joints were told, (n_frames, 6)."""
+    return np.stack([frames[COMMAND + joint] for joint in (*JOINTS, JAWS)], axis=1)
+
+
+def joints(frames: Frames) -> NDArray[Any]:
+    """Return where the joints were, (n_frames, 6)."""
+    return np.stack([frames[joint] for joint in (*JOINTS, JAWS)], axis=1)
+
+
+def elsewhere(rng: np.random.Generator, frames: Frames) -> Frames:
+    """Move cube and goal together: another place, and a table of another height."""
+    for axis, reach in zip(_AXES, (0.3, 0.3, 0.4), strict=True):
+        moved = rng.uniform(-reach, reach)
+        frames = frames | {f"{body}_{axis}": frames[f"{body}_{axis}"] + moved for body in ("block", "goal")}
+    return frames
+
+
+def later(frames: Frames, prefix: str, n: int) -> Frames:
+    """Store what columns of this prefix were `n` frames before, or will be if it is negative; the rest is cut off."""
+    own, other = (slice(None, -n), slice(n, None)) if n > 0 else (slice(-n, None), slice(None, n))
+    return {name: values[own if name.startswith(prefix) else other] for name, values in frames.items()}
+
+
+def in_radians(frames: Frames, joint: str) -> Frames:
+    """Store one joint in radians, and its command in degrees."""
+    return frames | {joint: np.deg2rad(frames[joint])}
+
+
+def exchanged(frames: Frames, one: str, other: str) -> Frames:
+    """Exchange two columns."""
+    return frames | {one: frames[other], other: frames[one]}
+
+
+def stuck(frames: Frames, first: int, n: int) -> Frames:
+    """Let all encoders tell the same for some frames, while everything goes on."""
+    rows = np.arange(len(frames[JAWS]))
+    rows[first : first + n] = first
+    return frames | {joint: frames[joint][rows] for joint in (*JOINTS, JAWS)}
+
+
+def with_jaws_turned_round(frames: Frames) -> Frames:
+    """Take open for closed: where the jaws are, and where they are told to be."""
+    return frames | {name: 100 - frames[name] for name in (JAWS, COMMAND + JAWS)}
+
+
+def with_cube_for_goal(frames: Frames) -> Frames:
+    """Take cube and goal for each other."""
+    for axis in _AXES:
+        frames = exchanged(frames, f"block_{axis}", f"goal_{axis}")
+    return frames
+
+
+def upside_down(frames: Frames) -> Frames:
+    """Take up for down."""
+    return frames | {name: -frames[name] for name in ("block_z", "goal_z")}
+
+
+def in_millimetres(frames: Frames) -> Frames:
+    """Take millimetres for metres, of cube and goal."""
+    names = [f"{body}_{axis}" for body in ("block", "goal") for axis in _AXES]
+    return frames | {name: 1000 * frames[name] for name in names}
