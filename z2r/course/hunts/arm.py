@@ -3,16 +3,11 @@
 What goes wrong makes new frames of some frames; arrays are never written to.
 """
 
-from functools import cache
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
-from z2r.api import load
+from z2r.arrays import Floats
+from z2r.course.hunts._frames import COMMAND, Frames, episodes_of, side_by_side
 from z2r.data import ARM
-from z2r.format.schema import ACTION, STATE
-from z2r.reading.reading import column_names
 
 PLACED, LIFTED = (0, 1, 2, 3, 5, 6, 7), (8, 9, 10)
 """The episodes that did it, by task: the verdict beside the dataset says so."""
@@ -23,40 +18,22 @@ JOINTS = tuple(f"{joint}.pos" for joint in ("shoulder_pan", "shoulder_lift", "el
 """The joints that are angles [deg]."""
 JAWS = "gripper.pos"
 """How far open the jaws are [percent]."""
-COMMAND = f"{ACTION}/"
-"""What the name of a column begins with that is a command."""
-
-_WORLD = "observation.environment_state/"
 _AXES = ("x", "y", "z")
-
-type Frames = dict[str, NDArray[Any]]
-"""The columns of some frames by their names, float64[n_frames] each; and pictures, where there are any."""
-
-
-@cache
-def _recorded() -> tuple[Frames, ...]:
-    dataset = load(ARM)
-    columns: Frames = {}
-    for feature in (STATE, _WORLD.removesuffix("/"), ACTION):
-        names = [name.removeprefix(_WORLD) for name in column_names(feature, dataset.schema)]
-        columns |= dict(zip(names, dataset.read(feature).T.astype(np.float64), strict=True))
-    episodes = (dataset.episodes[number] for number in range(len(dataset.episodes)))
-    return tuple({name: values[frames] for name, values in columns.items()} for frames in episodes)
 
 
 def episode(number: int) -> Frames:
     """Return the columns of one episode, which are the caller's own."""
-    return {name: values.copy() for name, values in _recorded()[number].items()}
+    return episodes_of(ARM)[number]
 
 
-def commands(frames: Frames) -> NDArray[Any]:
-    """Return what the joints were told, (n_frames, 6)."""
-    return np.stack([frames[COMMAND + joint] for joint in (*JOINTS, JAWS)], axis=1)
+def commands(frames: Frames) -> Floats:
+    """Return what the joints were told, the jaws last, float64[n_frames, 6]."""
+    return side_by_side(frames, [COMMAND + joint for joint in (*JOINTS, JAWS)])
 
 
-def joints(frames: Frames) -> NDArray[Any]:
-    """Return where the joints were, (n_frames, 6)."""
-    return np.stack([frames[joint] for joint in (*JOINTS, JAWS)], axis=1)
+def joints(frames: Frames) -> Floats:
+    """Return where the joints were, the jaws last, float64[n_frames, 6]."""
+    return side_by_side(frames, (*JOINTS, JAWS))
 
 
 def elsewhere(rng: np.random.Generator, frames: Frames) -> Frames:

@@ -7,7 +7,7 @@ import numpy as np
 
 from z2r.course.hunts import arm
 from z2r.course.hunts._core import SEED, Trial, judge, one_of, rng_of, shuffled
-from z2r.course.hunts.arm import Frames
+from z2r.course.hunts._frames import Frames
 
 _NUMBER = 7
 _AHEAD = 25  # frames: how far the clock of the cube is ahead of that of the jaws

@@ -7,7 +7,7 @@ import numpy as np
 
 from z2r.course.hunts import arm
 from z2r.course.hunts._core import SEED, Trial, judge, one_of, rng_of, shuffled
-from z2r.course.hunts.arm import Frames
+from z2r.course.hunts._frames import Frames
 
 WITHIN = 0.03  # m, from the middle of the cube to the middle of its goal
 LET_GO = 40.0  # percent: jaws that are wider hold no cube

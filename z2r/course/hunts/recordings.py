@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from z2r.arrays import Floats
 from z2r.course.hunts import arm
 from z2r.course.hunts._core import SEED, Trial, judge, one_of, rng_of, shuffled
-from z2r.course.hunts.arm import Frames
+from z2r.course.hunts._frames import COMMAND, Frames
 
 KEEP, MEND, THROW_AWAY = DECISIONS = ("keep", "mend", "throw away")
 """What the learner's function may answer: mend is for what can be undone without loss."""
@@ -58,9 +58,9 @@ def _recordings(rng: np.random.Generator) -> Iterator[Trial]:
         (KEEP, "nothing is wrong", 2, lambda rng, it: it),
         (KEEP, "the arm waits for a second, and so does the picture", 2, _wait),
         (KEEP, "a dark room", 1, lambda rng, it: it | {_PICTURES: it[_PICTURES] // 3}),
-        (KEEP, "an arm that follows a little later than others", 1, lambda rng, it: arm.later(it, arm.COMMAND, -2)),
+        (KEEP, "an arm that follows a little later than others", 1, lambda rng, it: arm.later(it, COMMAND, -2)),
         (MEND, "a joint is in radians", 2, lambda rng, it: arm.in_radians(it, rng.choice(arm.JOINTS))),
-        (MEND, "the command is stored late", 2, lambda rng, it: arm.later(it, arm.COMMAND, _between(rng, *_LATE))),
+        (MEND, "the command is stored late", 2, lambda rng, it: arm.later(it, COMMAND, _between(rng, *_LATE))),
         (MEND, "two joints are exchanged", 1, lambda rng, it: arm.exchanged(it, *rng.choice(_UNLIKE, 2, False))),
         (MEND, "a joint has the other sign", 1, _negative),
         (THROW_AWAY, "the camera is black", 2, _black),
@@ -97,7 +97,7 @@ def _wait(rng: np.random.Generator, it: Frames) -> Frames:
     rows = np.insert(np.arange(len(it[arm.JAWS])), here, np.full(29, here))
     longer, still = {name: values[rows] for name, values in it.items()}, slice(here, here + 30)
     for joint in (*arm.JOINTS, arm.JAWS):
-        longer[arm.COMMAND + joint][still] = longer[joint][still]
+        longer[COMMAND + joint][still] = longer[joint][still]
     return longer
 
 
@@ -120,4 +120,4 @@ def _out_of_order(rng: np.random.Generator, it: Frames) -> Frames:
     rows = np.arange(len(it[arm.JAWS]))
     parts = np.array_split(rows, len(rows) // 15)
     order = np.concatenate([parts[place] for place in rng.permutation(len(parts))])
-    return it | {arm.COMMAND + joint: it[arm.COMMAND + joint][order] for joint in (*arm.JOINTS, arm.JAWS)}
+    return it | {COMMAND + joint: it[COMMAND + joint][order] for joint in (*arm.JOINTS, arm.JAWS)}

@@ -1,16 +1,15 @@
 """The hunt of `02_episode_index`: the index is lost. Where did the episodes begin?"""
 
 from collections.abc import Callable, Iterator, Sequence
-from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from z2r.api import load
 from z2r.arrays import Floats
 from z2r.course.hunts._core import SEED, Marks, Trial, judge, rng_of
+from z2r.course.hunts._frames import episodes_of, names_of, side_by_side
 from z2r.data import ARM, MESSY, STANDIN
 from z2r.format.schema import STATE
 
@@ -80,16 +79,11 @@ def _recording(
     return Trial(what, (state,), starts.tolist())
 
 
-@cache
-def _episodes(root: Path) -> list[Floats]:
-    dataset = load(root)
-    state = dataset.read(STATE).astype(np.float64)
-    return [state[dataset.episodes[number]] for number in np.flatnonzero(dataset.episodes.lengths >= _LONG)]
-
-
 def _joined(rng: np.random.Generator, root: Path, n: int) -> list[Floats]:
     """Draw episodes in an order in which every one begins clearly elsewhere than the one before it ended."""
-    episodes = _episodes(root)
+    names = names_of(root)[STATE]
+    seen = [side_by_side(frames, names) for frames in episodes_of(root)]
+    episodes = [state for state in seen if len(state) >= _LONG]
     longest = np.max([np.abs(np.diff(each, axis=0)).max(axis=0) for each in episodes], axis=0)
     longest[longest == 0] = np.inf  # never moves
     while True:
