@@ -86,7 +86,7 @@ def _lose_a_second(rng: np.random.Generator, it: Recording) -> Recording:
     number = int(rng.integers(len(parts)))
     robot = [name for name in it.columns if name.startswith("pusher") or COMMAND + name in it.columns]
     seen = side_by_side(parts[number], robot)
-    way = np.abs(seen[n:] - seen[:-n]) / (np.ptp(seen, axis=0) + 1e-9)
+    way = np.abs(seen[n:] - seen[:-n]) / np.ptp(side_by_side(it.columns, robot), axis=0)
     first = int(way.max(axis=1)[5:-5].argmax()) + 6
     parts[number] = {name: np.delete(values, np.s_[first : first + n - 1]) for name, values in parts[number].items()}
     return _joined(parts, it.fps)
