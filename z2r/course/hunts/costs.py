@@ -4,7 +4,7 @@ A small world, in which a policy is trained in a millisecond: a hand goes to a g
 misread is what the policy learns from, or what it sees when it is played, or both.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -29,7 +29,7 @@ def _as_it_is(rng: np.random.Generator, values: Floats) -> Floats:
 
 
 class _Misreading(NamedTuple):
-    """What becomes of the state and the action in training, and of the state in play, (n_episodes, n_frames, n) each."""
+    """What becomes of state and action in training, and of the state in play, (n_episodes, n_frames, n) each."""
 
     state: _Change = _as_it_is
     action: _Change = _as_it_is

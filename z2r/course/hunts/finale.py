@@ -17,6 +17,7 @@ import pyarrow.parquet as pq
 
 from z2r import api
 from z2r.arrays import Ints
+from z2r.audits.audit import Audit
 from z2r.course.exercises._core import NOT_ATTEMPTED, NOT_YET, RIGHT
 from z2r.course.hunts import arm
 from z2r.course.hunts._core import SEED, rng_of
@@ -185,6 +186,7 @@ class Finale:
         self._roots = dict(zip(_NAMES, (root for root, _, _ in drawn), strict=True))
         self._truth = dict(zip(_NAMES, (name for _, name, _ in drawn), strict=True))
         self._recordings = dict(zip(_NAMES, (recording for _, _, recording in drawn), strict=True))
+        self._audits: dict[str, Audit] = {}
         self._folder = tempfile.TemporaryDirectory()
 
     def __repr__(self) -> str:
@@ -222,13 +224,16 @@ class Finale:
         answers : mapping of str to str or None
             One of `SUSPECTS` for each name; None where there is no answer yet.
         """
-        given = {name: answer for name, answer in dict(answers).items() if answer is not None}
-        strange = {name: answer for name, answer in given.items() if name not in _NAMES or answer not in SUSPECTS}
+        if not isinstance(answers, Mapping):
+            print(f"{NOT_YET}: found {answers!r}, expected a dict with an answer for each of {', '.join(_NAMES)}.")
+            return
+        given = {name: answer for name, answer in answers.items() if answer is not None}
+        strange = [each for each in given.items() if each[0] not in self.names or each[1] not in [*SUSPECTS]]
         if not given:
             print(f"{NOT_ATTEMPTED}: put the name of a suspect in place of None, then run the cell again.")
             return
         if strange:
-            [name, answer] = next(iter(strange.items()))
+            name, answer = strange[0]
             print(f"{NOT_YET}: {answer!r} for {name!r} costs nothing, and says nothing.", end=" ")
             print(f"Expected for one of {', '.join(_NAMES)}: {', '.join(SUSPECTS)}.")
             return
@@ -253,8 +258,10 @@ class Finale:
         if check not in api.CHECKS:
             print(f"found no check {check!r}, expected one of {', '.join(api.CHECKS)}")
             return []
-        found = api.audit(self._used_on(check, name)).findings
-        return [str(each) for each in found if each.check == check]
+        root = self._used_on(check, name)
+        if name not in self._audits:
+            self._audits[name] = api.audit(root)
+        return [str(each) for each in self._audits[name].findings if each.check == check]
 
     def infer_action(self, name: str) -> tuple[DrivenColumn, ...]:
         """Return what `z2r.infer_action` says of every dimension of the action. Costs a point."""

@@ -18,6 +18,7 @@ _NUMBER = 8
 _HEIGHT, _WIDTH = 12, 16  # pixels
 _LATE = (6, 10)  # frames: a command that is stored so much later than it was given
 _STUCK = 25  # frames for which encoders tell the same
+_JITTER = 0.02  # degrees and percent
 _UNLIKE = arm.JOINTS[1:4]  # pan and roll do nearly the same
 
 type _Pictures = NDArray[np.uint8]
@@ -71,9 +72,16 @@ def _recordings(rng: np.random.Generator) -> Iterator[Trial]:
     ]
     for truth, what, n, change in kinds:
         for number in rng.choice(arm.PLACED, n, replace=False).tolist():
-            recorded = arm.episode(number)
-            frames = change(rng, recorded | {_PICTURES: _seen_by_camera(arm.joints(recorded))})
+            frames = change(rng, _recorded(rng, number))
             yield Trial(what, (arm.commands(frames), arm.joints(frames), frames[_PICTURES]), truth)
+
+
+def _recorded(rng: np.random.Generator, number: int) -> Frames:
+    """Record an episode again: encoders are never twice the same."""
+    frames = arm.episode(number)
+    for joint in (*arm.JOINTS, arm.JAWS):
+        frames[joint] += rng.normal(0, _JITTER, len(frames[joint]))
+    return frames | {_PICTURES: _seen_by_camera(arm.joints(frames))}
 
 
 def _between(rng: np.random.Generator, low: int, high: int) -> int:

@@ -16,7 +16,7 @@ from z2r.format.schema import STATE
 _NUMBER = 2
 _LONG = 50  # frames: of a shorter episode nobody knows what is usual in it
 _CLEAR = 4.0  # times as far as a column ever goes in a step: a seam that leaps less is not asked for
-_DROP_OUT = 0.6  # of a column's range: how far off a single broken value is
+_DROP_OUT = 1.5  # of a column's range: how far off a single broken value is
 
 
 def score(find_starts: Callable[..., Any], seed: int = SEED) -> None:
