@@ -196,8 +196,9 @@ def test_a_ribbon_has_a_segment_for_each_episode_as_long_as_it_is(n_episodes, ju
 
 
 def test_episodes_are_numbered_where_there_is_room():
-    episodes = z2r.EpisodeIndex(np.array([0, 100, 103]), np.array([100, 103, 200]))
-    assert [text.get_text() for text in figures.episode_ribbon(episodes).axes[0].texts] == ["0", "2"]
+    episodes = z2r.EpisodeIndex(np.array([0, 100, 103, 105]), np.array([100, 103, 105, 200]))
+    texts = figures.episode_ribbon(episodes).axes[0].texts
+    assert [(text.get_text(), text.get_rotation()) for text in texts] == [("0", 0), ("1", 90), ("3", 0)]
 
 
 @given(yaw=st.floats(-np.pi, np.pi))
