@@ -141,12 +141,6 @@ compare(action[:, 0], state[:, 0])
 # **Predict, then run.** The change was counted in a *frame*, and `standin` has 10 frames in a second. Count it in a
 # *second*: multiply each change by 10. What becomes of the share, and of the slope? Put two numbers in place of the two
 # `None`.
-#
-# <details><summary>A hint</summary>
-#
-# Think of the dots and the line, on paper that is stretched to ten times its width.
-#
-# </details>
 
 # %% tags=["exercise", "predict-a-second"]
 share = None
@@ -154,7 +148,12 @@ slope = None
 practice.predict_a_second(share, slope)
 
 # %% [markdown]
-# <details><summary>The answer</summary>
+# <details><summary>Hint</summary>
+#
+# Think of the dots and the line, on paper that is stretched to ten times its width.
+#
+# </details>
+# <details><summary>Solution</summary>
 #
 # `share = 0.996` and `slope = 1.04`.
 #
@@ -211,13 +210,6 @@ for k, name in enumerate(names):
 #
 # **Bug hunt.** This function says which column one number of the action drives. For most arms it is right. Then
 # somebody mounts a motor the other way round, and it is wrong. Mend it.
-#
-# <details><summary>A hint</summary>
-#
-# The joint follows to the last tenth of a degree, and counts down where the command counts up. What is the correlation
-# of the two?
-#
-# </details>
 
 
 # %% tags=["exercise", "driven-column"]
@@ -229,7 +221,13 @@ def driven_column(action, state):
 practice.check_driven_column(driven_column)
 
 # %% [markdown]
-# <details><summary>A solution</summary>
+# <details><summary>Hint</summary>
+#
+# The joint follows to the last tenth of a degree, and counts down where the command counts up. What is the correlation
+# of the two?
+#
+# </details>
+# <details><summary>Solution</summary>
 #
 # ```python
 # return np.argmax(np.abs(likeness))
@@ -241,12 +239,6 @@ practice.check_driven_column(driven_column)
 #
 # **Complete the line.** A share has no unit, and you want one: *within two degrees*. The function lays the line, and
 # should return the distance that 99 of 100 frames keep from it. Put the distances in place of the three dots.
-#
-# <details><summary>A hint</summary>
-#
-# Where `seen` was seen, the line says `slope * seen + offset`.
-#
-# </details>
 
 
 # %% tags=["exercise", "within"]
@@ -259,7 +251,12 @@ def within(asked, seen):
 practice.check_within(within)
 
 # %% [markdown]
-# <details><summary>A solution</summary>
+# <details><summary>Hint</summary>
+#
+# Where `seen` was seen, the line says `slope * seen + offset`.
+#
+# </details>
+# <details><summary>Solution</summary>
 #
 # ```python
 # off = np.abs(asked - (slope * seen + offset))

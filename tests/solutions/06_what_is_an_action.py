@@ -17,9 +17,10 @@ EXERCISES = {
         "wrong": {
             "all times ten": (PREDICT.format("9.96, 104.5"), "moves no point off the line"),
             "a slope ten times as large": (PREDICT.format("0.996, 104.5"), "slope ten times as small"),
-            "as before": (PREDICT.format("0.996, 10.4"), "you said '1.00 explained, slope 10.4'"),
+            "as before": (PREDICT.format("0.996, 10.4"), "you said (0.996, 10.4)"),
             "less explained": (PREDICT.format("0.0996, 1.04"), "as much is explained as before"),
-            "text": (PREDICT.format("'0.996', '1.04'"), "you said"),
+            "another question": (PREDICT.format("0.996, 10.4"), "counted in a minute"),
+            "and wrong again": (PREDICT.format("0.996, 10.4, again=62.4"), "it is 0.0174"),
         },
     },
     "within": {

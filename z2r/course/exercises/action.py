@@ -7,31 +7,37 @@ import numpy as np
 
 from z2r.api import load
 from z2r.arrays import Floats
-from z2r.course.exercises._core import Case, judge_function, judge_prediction
+from z2r.course.exercises._core import Case, Question, judge_function, judge_prediction
 from z2r.data import ARM, STANDIN
 from z2r.format.schema import ACTION, STATE
 
 _AHEAD = 2  # frames, of `arm`
 
 
-def predict_a_second(share: float | None, slope: float | None) -> None:
+def predict_a_second(share: float | None, slope: float | None, again: float | None = None) -> None:
     """Judge what the learner expects of the pusher's fit, once its change is counted in a second.
 
     Parameters
     ----------
     share, slope : float or None
         How much of the action is explained, and the slope; None where nobody has predicted yet.
+    again : float, optional
+        The slope that is asked for of whoever was wrong.
     """
     action, state = _episode(STANDIN, 0)
-    fps = load(STANDIN).schema.fps
-    asked, change = action[:-1, 0], fps * np.diff(state[:, 0])
-    truth = _said(np.corrcoef(asked, change)[0, 1] ** 2, np.polyfit(change, asked, 1)[0])
-    said = None if share is None or slope is None else _said(share, slope)
+    asked, change = action[:-1, 0], load(STANDIN).schema.fps * np.diff(state[:, 0])
+    in_a_second = float(np.polyfit(change, asked, 1)[0])
+    truth = round(float(np.corrcoef(asked, change)[0, 1] ** 2), 3), round(in_a_second, 2)
     why = (
-        "Another unit stretches the whole picture and moves no point off the line, so as much is explained as before. "
+        "Another unit stretches the whole picture and moves no dot off the line, so as much is explained as before. "
         "The same action over a change ten times as large is a slope ten times as small."
     )
-    judge_prediction(said, truth, why)
+    second = Question(
+        round(in_a_second / 60, 4),
+        "A minute has 60 times as much change as a second.",
+        "And if the change is counted in a minute: what is the slope?",
+    )
+    judge_prediction(None if share is None or slope is None else (share, slope), truth, why, second, again)
 
 
 def check_within(function: Callable[[Floats, Floats], object]) -> None:
@@ -84,14 +90,6 @@ def _episode(root: Path, number: int) -> tuple[Floats, Floats]:
 def _ahead(episode: tuple[Floats, Floats], joint: int) -> tuple[Floats, Floats]:
     action, state = episode
     return action[:-_AHEAD, joint], state[_AHEAD:, joint]
-
-
-def _said(share: object, slope: object) -> str:
-    return f"{share:.2f} explained, slope {slope:.1f}" if _are_numbers(share, slope) else f"{share!r} and {slope!r}"
-
-
-def _are_numbers(*values: object) -> bool:
-    return all(isinstance(value, int | float | np.number) for value in values)
 
 
 def _within(asked: Floats, seen: Floats) -> float:
