@@ -230,7 +230,9 @@ practice.check_driven_column(driven_column)
 # <details><summary>Solution</summary>
 #
 # ```python
-# return np.argmax(np.abs(likeness))
+# def driven_column(action, state):
+#     likeness = [np.corrcoef(action, column)[0, 1] for column in state.T]
+#     return np.argmax(np.abs(likeness))
 # ```
 #
 # </details>
@@ -259,7 +261,10 @@ practice.check_within(within)
 # <details><summary>Solution</summary>
 #
 # ```python
-# off = np.abs(asked - (slope * seen + offset))
+# def within(asked, seen):
+#     slope, offset = np.polyfit(seen, asked, 1)
+#     off = np.abs(asked - (slope * seen + offset))
+#     return np.quantile(off, 0.99)
 # ```
 #
 # </details>

@@ -15,7 +15,7 @@ EXERCISES = {
     "predict-a-second": {
         "solution": PREDICT.format("0.996, 1.04"),
         "wrong": {
-            "all times ten": (PREDICT.format("9.96, 104.5"), "moves no point off the line"),
+            "all times ten": (PREDICT.format("9.96, 104.5"), "moves no dot off the line"),
             "a slope ten times as large": (PREDICT.format("0.996, 104.5"), "slope ten times as small"),
             "as before": (PREDICT.format("0.996, 10.4"), "you said (0.996, 10.4)"),
             "less explained": (PREDICT.format("0.0996, 1.04"), "as much is explained as before"),
