@@ -1,3 +1,23 @@
+# ---
+# jupyter:
+#   jupytext:
+#     cell_metadata_filter: tags,jupyter,cellView,-all
+#     formats: ipynb,py:percent
+#     notebook_metadata_filter: -jupytext.text_representation.jupytext_version
+#     text_representation:
+#       extension: .py
+#       format_name: percent
+#       format_version: '1.3'
+#   kernelspec:
+#     display_name: Python 3
+#     language: python
+#     name: python3
+# ---
+
+# %% [markdown] tags=["badge"]
+# [![Open in Colab](https://colab.research.google.com/assets/colab-badge.svg)](https://colab.research.google.com/github/zero2robot/seeing-like-a-robot/blob/main/notebooks/07_break_modes.ipynb)
+# About 15 minutes. That is an estimate, from words, cells and exercises.
+
 # %% [markdown]
 # # How do I know that I read it right?
 #
@@ -16,6 +36,17 @@
 # - **recognise** three wrong readings by what they leave behind;
 # - **check** a reading without a label, by how far solid bodies overlap;
 # - **say** which beliefs about a dataset its data refutes, and which it cannot.
+
+# %% jupyter={"source_hidden": true} cellView="form" tags=["setup"]
+# @title Set up: installs z2r where it is missing, as in Colab
+from importlib.util import find_spec
+from pathlib import Path
+
+if not find_spec("z2r"):  # from a wheel beside this page, or its repository
+    source = "git+https://github.com/zero2robot/seeing-like-a-robot"
+    for wheel in Path().glob("z2r-*.whl"):
+        source = wheel.resolve().as_uri()
+    get_ipython().run_line_magic("pip", f'install -q "z2r[notebook]@{source}"')
 
 # %%
 import numpy as np
@@ -53,7 +84,7 @@ yaw_swap = z2r.break_mode("yaw-swap").reading(z2r.PUSHT)
 tell(yaw_swap)
 
 # %% [markdown]
-# ### Practice: what does yaw-swap do to the metrics?
+# ### Practice: what does yaw-swap do to the metrics? (about 2 min)
 #
 # **Predict, then run.** Read right, there are 217 frames, the longest episode has 76, and 3 of 3 reached the target.
 # What are the three numbers under `yaw-swap`? Put them in place of each `None`, before you scroll on.
@@ -77,7 +108,7 @@ practice.predict_yaw_swap(n_frames, longest, n_reached)
 # </details>
 
 # %% [markdown]
-# ### Practice: make the swap yourself
+# ### Practice: make the swap yourself (about 2 min)
 #
 # **Complete the line.** How is such a mistake made? By exchanging two names. The function takes a yaw, where `yaw.sin`
 # and `yaw.cos` are names of columns. Return one in which they are exchanged. `z2r.YawColumns(sin="a", cos="b")` makes a
@@ -117,9 +148,9 @@ print("mode                 episodes  frames  reached  error in yaw")
 for name in ("yaw-swap", "drop-boundaries", "yaw-swap-everywhere", None):
     read = z2r.inspect_dataset(dataset, name and z2r.break_mode(name))
     ends, n = read.outcome, read.episodes.n_frames
-    low, *_, high = np.sort(np.repeat(ends.final_errors["ang_err"], 2))
+    off = ends.final_errors["ang_err"]
     print(f"{name or 'read right':20} {len(read.episodes):8}  {n:6}", end="")
-    print(f"   {ends.tally}  {low:.2f} to {high:.2f}")
+    print(f"   {ends.tally}  {off.min():.2f} to {off.max():.2f}")
 
 # %% [markdown]
 # **yaw-swap**: nothing reached. And every error is close to 1.57, a quarter of a turn. One error, of just that size, in
@@ -190,8 +221,8 @@ for name, reading in (readings | {"everywhere": everywhere}).items():
     for data in (whole, z2r.load(z2r.MESSY)):
         state = data.read("observation.state")
         depth = 1000 * overlap(z2r.decode(state, reading, data.schema))
-        print(f"{name:10} {data.root.name:8} deepest {depth.max():4.1f} mm,", end=" ")
-        print(f"deeper than 5 mm in {np.sum(depth > 5)} of {len(depth)} frames")
+        print(f"{name:10} {data.root.name:8} deepest {depth.max():4.1f} mm", end="")
+        print(f", deeper than 5 mm in {np.sum(depth > 5)} of {len(depth)} frames")
 
 # %% [markdown]
 # A few millimetres, or thirty. Here is the number that tells the two readings apart, where *reached* could not. `z2r
@@ -200,7 +231,7 @@ for name, reading in (readings | {"everywhere": everywhere}).items():
 # And what does it not see? A target that is read wrong: both swaps give the same lines. And `drop-boundaries`, for it
 # takes each frame alone. No single check is enough.
 #
-# ### Practice: as seen from the block
+# ### Practice: as seen from the block (about 2 min)
 #
 # **Bug hunt.** The function should say where the pusher is, as seen from the block. It takes x and y of both, in
 # metres, and the block's yaw in radians. For a yaw of 0 it is right, for any other it is not.
@@ -239,8 +270,8 @@ practice.check_seen_from_block(seen_from_block)
 #
 # An arm has no block and no yaw, so what do people get wrong about it? The unit, above all: [ROS counts in radians,
 # LeRobot's arms in degrees](https://github.com/iblnkn/rosetta/pull/7), and somebody has to convert. Then the order: in
-# [a dataset of humanoids](https://github.com/physical-superintelligence-lab/Humanoid-Everyday/issues/10), two joints of
-# a hip stood in each other's place.
+# [a dataset of humanoids](https://github.com/physical-superintelligence-lab/Humanoid-Everyday/issues/10), the joints of
+# a hip are listed in another order than they are stored in.
 #
 # A break mode applies wherever a dataset has what it is about. To how many of them can the arm fall victim?
 
@@ -281,3 +312,8 @@ for each in apply:
 # - **say** what the data refutes with `z2r audit my_dataset --break all`, and know the rest yourself.
 #
 # Next: somebody sends you a recording of an arm. [Is my data any good?](08_your_dataset.ipynb)
+
+# %% jupyter={"source_hidden": true} cellView="form" tags=["colophon"]
+from z2r.course.source import colophon
+
+colophon()
