@@ -196,8 +196,9 @@ def test_a_ribbon_has_a_segment_for_each_episode_as_long_as_it_is(n_episodes, ju
 
 
 def test_episodes_are_numbered_where_there_is_room():
-    episodes = z2r.EpisodeIndex(np.array([0, 100, 103]), np.array([100, 103, 200]))
-    assert [text.get_text() for text in figures.episode_ribbon(episodes).axes[0].texts] == ["0", "2"]
+    episodes = z2r.EpisodeIndex(np.array([0, 100, 103, 105]), np.array([100, 103, 105, 200]))
+    texts = figures.episode_ribbon(episodes).axes[0].texts
+    assert [(text.get_text(), text.get_rotation()) for text in texts] == [("0", 0), ("1", 90), ("3", 0)]
 
 
 @given(yaw=st.floats(-np.pi, np.pi))
@@ -310,6 +311,18 @@ def test_seen_from_the_block_the_right_reading_leaves_it_empty():
         assert axes.get_xlabel() == "across the block [m]"
         assert axes.get_aspect() == 1
     assert n_inside[0] == 0 < n_inside[1]
+
+
+def test_a_joint_is_drawn_beside_its_command_and_no_other():
+    arm = z2r.load(z2r.ARM)
+    panels = figures.commands_and_joints(arm, 3, "gripper.pos", "elbow_flex.pos").axes
+    for axes, column in zip(panels, (5, 2), strict=True):
+        for line, feature in zip(axes.lines, ("action", "observation.state"), strict=True):
+            assert line.get_gid() == f"{feature} {axes.get_title(loc='left')}"
+            np.testing.assert_array_equal(line.get_ydata(), arm.read(feature)[arm.episodes[3]][:, column])
+            assert line.get_xdata()[30] == 1
+    with pytest.raises(ValueError, match="found no joint"):
+        figures.commands_and_joints(arm, 3)
 
 
 def test_the_fit_of_an_action_is_drawn_for_every_number_of_frames_ahead():

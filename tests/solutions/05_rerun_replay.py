@@ -1,7 +1,5 @@
 SAME = "practice.predict_same_rows({})"
 TIME = "def sim_time(frame, fps):\n    return {}\npractice.check_sim_time(sim_time)"
-QUATERNION = "def quaternion(yaw):\n    return 0, 0, {z}, {w}\npractice.check_quaternion(quaternion)"
-W_FIRST = QUATERNION.replace("0, 0, {z}, {w}", "np.cos(yaw / 2), 0, 0, np.sin(yaw / 2)")
 
 EXERCISES = {
     "same-rows": {
@@ -22,23 +20,6 @@ EXERCISES = {
             "upside down": (TIME.format("fps / frame"), "expected 6.7"),
             "whole seconds": (TIME.format("frame // fps"), "got 6"),
             "frames count from 1": (TIME.format("(frame + 1) / fps"), "got 6.8"),
-        },
-    },
-    "quaternion": {
-        "solution": QUATERNION.format(z="np.sin(yaw / 2)", w="np.cos(yaw / 2)"),
-        "wrong": {
-            "half of one": (QUATERNION.format(z="np.sin(yaw / 2)", w="np.cos(yaw)"), "a yaw of 60 degrees"),
-            "twice": (QUATERNION.format(z="np.sin(yaw * 2)", w="np.cos(yaw * 2)"), "Of which angle"),
-            "swapped": (
-                QUATERNION.format(z="np.cos(yaw / 2)", w="np.sin(yaw / 2)"),
-                "expected (0, 0, 0.5, 0.866)",
-            ),
-            "half of the sine": (
-                QUATERNION.format(z="np.sin(yaw) / 2", w="np.cos(yaw) / 2"),
-                "got (0, 0, 0.433, 0.25)",
-            ),
-            "w first": (W_FIRST, "The order is x, y, z, w"),
-            "in degrees": (QUATERNION.format(z="np.rad2deg(yaw)", w="0"), "not yet"),
         },
     },
 }

@@ -11,13 +11,11 @@ from z2r.course import figures
 from z2r.course.exercises._core import NOT_YET, Case, judge_function, judge_prediction
 from z2r.data import STANDIN
 from z2r.pusht.world import PUSHT
-from z2r.reading.angles import yaw_quaternions
 from z2r.reading.breaks import break_mode
 from z2r.reading.decode import decode
 from z2r.reading.reading import Reading
 
 _ALIKE = ("neither", "yaw", "position", "both")
-_TURNS = (60, -90, 150, -165, 0)  # degrees
 _MOMENTS = ((67, 10), (0, 10), (426, 10), (90, 30), (7, 2.5))  # frame number, frames a second
 
 
@@ -67,48 +65,3 @@ def check_sim_time(function: Callable[[int, float], object]) -> None:
     cases = [Case(f"frame {frame} at {fps} frames a second", (frame, fps)) for frame, fps in _MOMENTS]
     hint = "Frame 0 is shown at 0 s. At 10 frames a second, how many seconds is one frame?"
     judge_function(function, lambda frame, fps: frame / fps, cases, hint)
-
-
-def check_quaternion(function: Callable[[float], object]) -> Figure | None:
-    """Try a function that turns a yaw into a quaternion.
-
-    Parameters
-    ----------
-    function : callable
-        The learner's: takes a yaw [rad], returns the four numbers x, y, z, w.
-
-    Returns
-    -------
-    Figure or None
-        The block as it should be turned and as the viewer would draw it, for the first yaw that went wrong.
-    """
-    cases = [Case(f"a yaw of {degrees} degrees", (float(np.deg2rad(degrees)),)) for degrees in _TURNS]
-    hint = "A quaternion does not hold the sine and the cosine of the yaw itself. Of which angle, then?"
-    if _begins_with_w(function):
-        hint = "The order is x, y, z, w. Which of these are 0, and at which end do they stand?"
-    wrong = judge_function(function, _quaternion, cases, hint, untouched=_quaternion_as_handed_out)
-    if wrong is None:
-        return None
-    (yaw,) = wrong.args
-    try:
-        _, _, z, w = np.asarray(function(yaw), dtype=float)
-        return figures.two_poses((0.0, 0.0, yaw), (0.0, 0.0, float(2 * np.arctan2(z, w))))
-    except (TypeError, ValueError):  # not four numbers: nothing to draw
-        return None
-
-
-def _quaternion(yaw: float) -> Floats:
-    quaternion: Floats = yaw_quaternions(np.array([yaw]))[0]
-    return quaternion
-
-
-def _begins_with_w(function: Callable[[float], object]) -> bool:
-    try:
-        numbers = np.asarray(function(1.0), dtype=float)
-    except Exception:  # whatever the learner's code raises, the trials tell
-        return False
-    return numbers.shape == (4,) and bool(numbers[0]) and not numbers[1:3].any()
-
-
-def _quaternion_as_handed_out(yaw: float) -> Floats:
-    return np.array([0.0, 0.0, np.sin(yaw), np.cos(yaw)])
