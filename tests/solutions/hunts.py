@@ -1,6 +1,7 @@
 """A right answer to each hunt, as its page folds it away; and how the page hands the hunt out.
 
-By the stem of the page: the module of the hunt, the name of the learner's function and its arguments, and the solution.
+By the stem of the page: the module of the hunt, the learner's function and its arguments, and the solution. The finale
+has no function; it is answered with names.
 """
 
 from typing import NamedTuple
@@ -10,16 +11,36 @@ class Hunt(NamedTuple):
     module: str
     signature: str
     solution: str
+    wrong: tuple[str, str, str, str]  # what to call it; what is exchanged in the solution, by what; what it is told
 
     @property
     def function(self) -> str:
         return self.signature.partition("(")[0]
 
     @property
+    def imported(self) -> str:
+        return f"from z2r.course.hunts import {self.module} as hunt"
+
+    @property
+    def score(self) -> str:
+        return f"hunt.score({self.function})"
+
+    @property
     def cell(self) -> str:
         """The cell as the page hands it out."""
-        imports = f"from z2r.course.hunts import {self.module} as hunt"
-        return f"{imports}\n\n\ndef {self.signature}:\n    return ...\n\n\nhunt.score({self.function})"
+        return f"def {self.signature}:\n    return ...\n\n\n{self.score}"
+
+    @property
+    def exercise(self) -> dict:
+        name, old, new, message = self.wrong
+        assert self.solution.count(old) == 1
+        sources = {
+            name: (self.solution.replace(old, new), message),
+            "an error": (f"def {self.signature}:\n    return answer\n", "your function raised NameError"),
+            "a word": (f"def {self.signature}:\n    return 'yes'\n", "your function returned 'yes'. Expected: "),
+        }
+        wrong = {name: (f"{source}{self.score}", told) for name, (source, told) in sources.items()}
+        return {"solution": f"{self.solution}{self.score}", "wrong": wrong}
 
 
 HUNTS = {
@@ -34,6 +55,7 @@ def find_starts(state):
     alone = far[1:-1] & ~far[:-2] & ~far[2:]  # a drop-out leaps there and back
     return np.flatnonzero(alone) + 2
 """,
+        ("metres for everybody", "> 3 * usual", "> 0.1", "pushing, in millimetres: "),
     ),
     "03_atan2_decoding": Hunt(
         "headings",
@@ -55,6 +77,7 @@ def encoding(x, y, columns):
     best = max(fits, key=fits.get)
     return best if fits[best] > 0.9 else "no heading"
 """,
+        ("every column is a heading", "> 0.9", "> -2", "a mast that turns by itself"),
     ),
     "04_hidden_success": Hunt(
         "goals",
@@ -69,6 +92,7 @@ def reached(frames, task):
     let_go = frames["gripper.pos"][-1] > 40
     return bool(on_it and let_go and height.max() > 0.03)
 """,
+        ("never mind the jaws", " and let_go", "", "place, on the disc, and still held"),
     ),
     "05_rerun_replay": Hunt(
         "grip",
@@ -82,6 +106,7 @@ def gripped(told, seen):
             return frame
     return None
 """,
+        ("as soon as it is beside", "told + 5", "told + 1", "always stop a little too wide"),
     ),
     "06_what_is_an_action": Hunt(
         "actions",
@@ -100,6 +125,7 @@ def what_is(action, state, fps):
                     best, explained = (kind, column, ahead, factor), alike
     return best
 """,
+        ("one window for all", "0.4 * fps", "15", "a slow arm of 200 frames a second"),
     ),
     "07_break_modes": Hunt(
         "beliefs",
@@ -118,6 +144,7 @@ def is_refuted(frames):
     strays = np.ptp(goal, axis=1).max() > 0.001
     return bool(flies or sinks or rushes or strays)
 """,
+        ("nothing sinks", "sinks or ", "", "up taken for down (2 of 2): missed"),
     ),
     "08_your_dataset": Hunt(
         "recordings",
@@ -145,6 +172,12 @@ def decide(action, state, pictures):
     own = (alike[lag].diagonal() > 0.9) & (0.5 < factor) & (factor < 2)
     return "keep" if own.all() and lag >= 0 else "mend"
 """,
+        (
+            "a still picture is frozen",
+            "(seen > 3 and shown == 0)",
+            "shown == 0",
+            "the arm waits for a second, and so does the picture",
+        ),
     ),
     "10_cost_of_a_misreading": Hunt(
         "costs",
@@ -161,5 +194,44 @@ def ruins(state, action, seen, wanted):
     as_far = 0.2 < sizes[0] / sizes[1] < 5
     return not (same_way and as_far)
 """,
+        ("the way alone", "not (same_way and as_far)", "not same_way", "actions in centimetres a second: missed"),
     ),
+}
+
+FINALE = """\
+answers = {
+    "a": None, "b": None, "c": None, "d": None,
+    "e": None, "f": None, "g": None, "h": None,
+}
+finale.hand_in(answers)"""
+_EIGHT = {
+    "a": "healthy",
+    "b": "encoders-stuck",
+    "c": "sine-and-cosine-exchanged",
+    "d": "healthy",
+    "e": "cube-and-goal-exchanged",
+    "f": "commands-late",
+    "g": "index-shifted",
+    "h": "joint-in-radians",
+}
+
+
+def _handed_in(**answers: object) -> str:
+    return f"finale = Finale(seed=0)\nfinale.hand_in({answers})"
+
+
+EXERCISES = {stem: {"hunt": hunt.exercise} for stem, hunt in HUNTS.items()} | {
+    "09_field_guide": {
+        "hunt": {
+            "solution": _handed_in(**_EIGHT),
+            "wrong": {
+                "the cube is not looked at": (
+                    _handed_in(**_EIGHT | {"e": "healthy"}),
+                    "e is not healthy: of that you would see nothing",
+                ),
+                "all healthy": (_handed_in(**dict.fromkeys(_EIGHT, "healthy")), "2 of 8 right, 0 instruments, 6 wrong"),
+                "a word": (_handed_in(a="broken"), "'broken' for 'a' costs nothing"),
+            },
+        }
+    }
 }

@@ -26,6 +26,8 @@ from nbformat import NotebookNode, v4
 from rich.console import Console
 from rich.table import Column, Table
 
+from z2r.course.replies import run_with_replies
+
 ROOT = Path(__file__).resolve().parents[2]
 NOTEBOOKS = ROOT / "notebooks"
 
@@ -208,7 +210,7 @@ def build(script: Path) -> NotebookNode:
     if not is_up_to_date(script):
         script.write_text(jupytext.writes(notebook, fmt="py:percent"), encoding="utf-8")
     with tempfile.TemporaryDirectory() as folder:
-        executed = execute(notebook, Path(folder))
+        executed = run_with_replies(notebook, script, lambda each: execute(each, Path(folder)))
     if found := list(faults(executed)):
         raise BuildError(f"{script.name}: " + "\n".join(found))
     for cell in (cell for cell in executed.cells if cell.cell_type == "code"):

@@ -241,7 +241,7 @@ class Finale:
         self._wrong |= set(wrong.items())
         self._right |= given.keys() - wrong.keys()
         open_ones = [name for name in _NAMES if name not in self._right]
-        if not open_ones:
+        if not (wrong or open_ones):
             print(f"{RIGHT}: {self.line}")
             return
         print(f"{NOT_YET}: {self.line}")
