@@ -200,8 +200,14 @@ def ruins(state, action, seen, wanted):
 
 FINALE = """\
 answers = {
-    "a": None, "b": None, "c": None, "d": None,
-    "e": None, "f": None, "g": None, "h": None,
+    "a": None,
+    "b": None,
+    "c": None,
+    "d": None,
+    "e": None,
+    "f": None,
+    "g": None,
+    "h": None,
 }
 finale.hand_in(answers)"""
 _EIGHT = {
