@@ -36,7 +36,7 @@ class Hunt(NamedTuple):
         assert self.solution.count(old) == 1
         sources = {
             name: (self.solution.replace(old, new), message),
-            "an error": (f"def {self.signature}:\n    return answer\n", "your function raised NameError"),
+            "an error": (f"def {self.signature}:\n    return nowhere\n", "your function raised NameError"),
             "a word": (f"def {self.signature}:\n    return 'yes'\n", "your function returned 'yes'. Expected: "),
         }
         wrong = {name: (f"{source}{self.score}", told) for name, (source, told) in sources.items()}

@@ -172,7 +172,7 @@ class Finale:
     --------
     >>> finale = Finale(seed=0)
     >>> finale["a"].episodes
-    EpisodeIndex(5 episodes, 389 frames)
+    EpisodeIndex(5 episodes, 361 frames)
     >>> finale.hand_in(dict.fromkeys(finale.names))
     not attempted yet: put the name of a suspect in place of None, then run the cell again.
     """
