@@ -235,7 +235,10 @@ EXERCISES = {stem: {"hunt": hunt.exercise} for stem, hunt in HUNTS.items()} | {
                     _handed_in(**_EIGHT | {"e": "healthy"}),
                     "e is not healthy: of that you would see nothing",
                 ),
-                "all healthy": (_handed_in(**dict.fromkeys(_EIGHT, "healthy")), "2 of 8 right, 0 instruments, 6 wrong"),
+                "all healthy": (
+                    _handed_in(**dict.fromkeys(_EIGHT, "healthy")),
+                    "2 of 8 right, instruments: 0, wrong guesses: 6",
+                ),
                 "a word": (_handed_in(a="broken"), "'broken' for 'a' costs nothing"),
             },
         }

@@ -211,10 +211,9 @@ class Finale:
     @property
     def line(self) -> str:
         """The score, to share."""
-        return (
-            f"z2r finale, seed {self.seed}: {len(self._right)} of {len(_NAMES)} right, {len(self._used)} instruments, "
-            f"{len(self._wrong)} wrong guesses, {self.points} of {RIGHT_GUESS * len(_NAMES)} points"
-        )
+        counts = f"instruments: {len(self._used)}, wrong guesses: {len(self._wrong)}"
+        points = f"{self.points} of {RIGHT_GUESS * len(_NAMES)} points"
+        return f"z2r finale, seed {self.seed}: {points} ({len(self._right)} of {len(_NAMES)} right, {counts})"
 
     def hand_in(self, answers: Mapping[str, str | None]) -> None:
         """Judge what is wrong with the datasets, and tell the score; the same wrong guess costs once.
