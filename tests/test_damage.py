@@ -10,7 +10,8 @@ from damages import wrong_in
 from test_dataset import oracle
 
 import z2r
-from z2r.course.damage import delay_actions, shift_ranges, split, swap_sine_and_cosine, turn_half
+from z2r.course.cameras import picture
+from z2r.course.damage import delay_actions, record_badly, shift_ranges, split, swap_sine_and_cosine, turn_half
 from z2r.format.schema import ACTION, STATE
 
 FEATURES = (STATE, ACTION)
@@ -127,3 +128,33 @@ def test_delayed_actions_leave_every_statistic_right(copy):
         part = late.episodes[episode]
         np.testing.assert_array_equal(late.read(ACTION)[part][1:], right.read(ACTION)[part][:-1])
     assert checks(copy) == {"action-motion", "late"}
+
+
+def test_a_bad_recording_of_an_arm_has_its_three_faults_and_statistics_that_agree(tmp_path):
+    before = fingerprint(z2r.ARM)
+    bad, arm = z2r.load(record_badly(z2r.ARM, tmp_path / "bad")), z2r.load(z2r.ARM)
+    state = arm.read(STATE)
+    state[:, 2] = np.deg2rad(state[:, 2])
+    np.testing.assert_array_equal(bad.read(STATE), state)
+    for episode in range(len(arm.episodes)):
+        told, late = (each.read(ACTION)[each.episodes[episode]] for each in (arm, bad))
+        np.testing.assert_array_equal(late, np.concatenate([np.repeat(told[:1], 5, axis=0), told[:-5]]))
+    pictures = camera_pictures(bad)
+    assert pictures["observation.images.side"].max() < 20 < pictures["observation.images.front"].max()
+    found = wrong_in(z2r.audit(bad.root, pictures=True))
+    assert {finding.check for finding in found} == {"late", "unit", "follow", "camera-flat"}
+    assert fingerprint(z2r.ARM) == before
+    once = fingerprint(bad.root)
+    assert fingerprint(record_badly(z2r.ARM, bad.root)) == once
+
+
+def camera_pictures(dataset: z2r.Dataset) -> dict[str, np.ndarray]:
+    return {name: picture(dataset, name, 1880) for name in dataset.schema.features if "images" in name}
+
+
+def test_a_bad_recording_replaces_nothing_but_a_dataset(tmp_path):
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "thesis.txt").write_text("years of work")
+    with pytest.raises(z2r.DatasetError):
+        record_badly(z2r.ARM, tmp_path / "mine")
+    assert (tmp_path / "mine" / "thesis.txt").exists()

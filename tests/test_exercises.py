@@ -4,7 +4,6 @@ The worked solutions are in `tests/solutions`, where nobody stumbles on them who
 """
 
 import contextlib
-import importlib.util
 import io
 import os
 import re
@@ -17,6 +16,7 @@ import jupytext
 import pytest
 
 from z2r.course.exercises._core import NOT_ATTEMPTED, NOT_YET, RIGHT
+from z2r.course.replies import answers_of, chosen, folded
 
 TESTS = Path(__file__).parent
 NOTEBOOKS = sorted((TESTS.parent / "notebooks").glob("*.py"))
@@ -25,10 +25,9 @@ FOLDED = re.compile(r"<details><summary>(\w+)</summary>\n\n(.*?)\n\n</details>",
 
 @cache
 def solutions(stem: str) -> dict:
-    spec = importlib.util.spec_from_file_location("solutions", TESTS / f"solutions/{stem}.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module.EXERCISES
+    """Those of what is on the page, which may have no hunt yet."""
+    on_the_page = exercise_cells(TESTS.parent / f"notebooks/{stem}.py")
+    return {name: answers for name, answers in answers_of(stem).items() if name != "hunt" or name in on_the_page}
 
 
 def is_code(cell) -> bool:
@@ -119,10 +118,10 @@ def test_after_a_wrong_prediction_there_is_another_question_that_can_be_answered
 def test_a_hint_and_a_solution_can_be_unfolded_and_the_solution_is_right(notebook):
     path, names = notebook
     cells = exercise_cells(path)
-    for name, folded in unfolded(path).items() if any(unfolded(path).values()) else ():
-        assert "Hint" in folded, name
+    for name, parts in unfolded(path).items() if any(unfolded(path).values()) else ():
+        assert "Hint" in parts, name
         if cells[name].lstrip().startswith("def "):
-            code = folded["Solution"].removeprefix("```python\n").removesuffix("\n```")
+            code = parts["Solution"].removeprefix("```python\n").removesuffix("\n```")
             assert run(f"{code}\n{cells[name].splitlines()[-1]}", dict(names)).startswith(RIGHT), name
 
 
@@ -132,3 +131,11 @@ def test_a_solution_is_on_the_page_only_where_it_is_unfolded(notebook):
     on_the_page = {line.strip() for cell in prose for line in FOLDED.sub("", cell.source).splitlines()}
     for exercise in solutions(path.stem).values():
         assert {line.strip() for line in exercise["solution"].splitlines()} - on_the_page
+
+
+def test_the_saved_run_is_what_the_checkers_reply(notebook):
+    path, names = notebook
+    page = jupytext.read(path)
+    saved = [cell.source for cell in page.cells if "replies" in cell.metadata.get("tags", [])]
+    shown = chosen(page, solutions(path.stem)) if saved else []
+    assert saved == [folded([(answer.title, run(answer.source, dict(names))) for answer in shown])] * len(saved)

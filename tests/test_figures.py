@@ -313,6 +313,18 @@ def test_seen_from_the_block_the_right_reading_leaves_it_empty():
     assert n_inside[0] == 0 < n_inside[1]
 
 
+def test_a_joint_is_drawn_beside_its_command_and_no_other():
+    arm = z2r.load(z2r.ARM)
+    panels = figures.commands_and_joints(arm, 3, "gripper.pos", "elbow_flex.pos").axes
+    for axes, column in zip(panels, (5, 2), strict=True):
+        for line, feature in zip(axes.lines, ("action", "observation.state"), strict=True):
+            assert line.get_gid() == f"{feature} {axes.get_title(loc='left')}"
+            np.testing.assert_array_equal(line.get_ydata(), arm.read(feature)[arm.episodes[3]][:, column])
+            assert line.get_xdata()[30] == 1
+    with pytest.raises(ValueError, match="found no joint"):
+        figures.commands_and_joints(arm, 3)
+
+
 def test_the_fit_of_an_action_is_drawn_for_every_number_of_frames_ahead():
     axes = figures.action_fits(DATASET, 1).axes[0]
     as_target, as_change = (line.get_ydata() for line in axes.lines)

@@ -1,5 +1,6 @@
 """The pages of the course: each runs as it is committed, on any machine, and is what its script says it is."""
 
+import hashlib
 import re
 import shutil
 import statistics
@@ -32,15 +33,17 @@ from z2r.course.build import (
     ROOT,
     execute,
     faults,
-    header,
     is_up_to_date,
     kernel_variables,
+    minutes_of,
     read_script,
     with_header,
 )
 
 each_notebook = pytest.mark.parametrize("stem", STEMS)
 DECODING, REPLAY = "03_atan2_decoding", "05_rerun_replay"
+MADE = {"badge", "setup", "colophon"}  # by the build, on every page
+FOLDED = {"tags": [], "jupyter": {"source_hidden": True}, "cellView": "form"}
 
 
 class Run(NamedTuple):
@@ -187,7 +190,9 @@ def test_a_page_holds_nothing_of_the_machine_that_built_it(stem):
     assert not list(faults(page))
     assert not [output for cell in code_cells(page) for output in cell.outputs if output.get("name") == "stderr"]
     assert [cell.execution_count for cell in code_cells(page)] == list(range(1, len(code_cells(page)) + 1))
-    assert not [key for cell in page.cells for key in cell.metadata if key != "tags"]
+    folded = [cell for cell in page.cells if set(cell.metadata) - {"tags"}]
+    assert [tags for cell in folded for tags in cell_tags(cell)] in (["setup"], ["setup", "colophon"])
+    assert all(dict(cell.metadata) | {"tags": []} == FOLDED for cell in folded)
     assert (NOTEBOOKS / f"{stem}.ipynb").stat().st_size < 600_000
 
 
@@ -218,7 +223,8 @@ def test_no_wheel_lies_among_the_notebooks():
 def test_cells_are_short(stem):
     cells = code_cells(committed(stem))
     setup = [cell for cell in cells if "setup" in cell_tags(cell)]
-    assert [len(cell.source.splitlines()) <= 8 for cell in setup] == [True]
+    assert [len(code_lines(cell)) <= 8 for cell in setup] == [True]
+    assert max(len(line) for cell in cells for line in cell.source.splitlines()) <= 80  # wider ones are cut on a page
     lengths = [len(code_lines(cell)) for cell in cells if cell not in setup]
     assert statistics.median(lengths) <= 5
     assert np.percentile(lengths, 90) <= 12
@@ -229,7 +235,9 @@ def code_lines(cell: NotebookNode) -> list[str]:
 
 
 def test_the_course_has_more_prose_than_code():
-    cells = [cell for stem in STEMS for cell in committed(stem).cells if not {"badge", "setup"} & cell_tags(cell)]
+    cells = [
+        cell for stem in STEMS for cell in committed(stem).cells if not {"badge", "setup", "colophon"} & cell_tags(cell)
+    ]
     words = sum(len(cell.source.split()) for cell in cells if cell.cell_type == "markdown")
     lines = sum(len(code_lines(cell)) for cell in cells if cell.cell_type == "code")
     assert words >= 8 * lines, f"{words / lines:.1f} words for each line of code"
@@ -276,11 +284,53 @@ def test_a_wrong_decode_is_seen_on_the_page(tmp_path):
     (package / "reading/angles.py").write_text(angles.replace(right, wrong))
     (tmp_path / "run").mkdir()
     notebook = execute(read_script(NOTEBOOKS / f"{DECODING}.py"), tmp_path / "run", package.parent)
-    shows_source = "z2r/reading/angles.py#"  # with a fingerprint, which any change at all would change
+    shows_source = "`z2r/reading/angles.py`"  # the source itself, and its fingerprint: any change at all would show
     pairs = zip(code_cells(notebook), code_cells(committed(DECODING)), strict=True)
     assert any(shown(cell) != shown(page) and shows_source not in str(shown(page)) for cell, page in pairs)
 
 
 def test_the_badge_of_the_readme_has_the_one_address():
-    badge, _ = header("00_start_here")
-    assert badge.source.splitlines()[0] in (ROOT / "README.md").read_text()
+    assert committed("00_start_here").cells[0].source.splitlines()[0] in (ROOT / "README.md").read_text()
+
+
+@each_notebook
+def test_the_time_is_one_formula_and_stands_in_one_place(stem):
+    """180 words a minute, 0.4 minutes a code cell, 1.6 an exercise and 8 a hunt, in fives."""
+    page = committed(stem)
+    own = [cell for cell in page.cells if not MADE & cell_tags(cell)]
+    prose = re.sub(r"<details>[^$]*?</details>", "", "\n".join(c.source for c in own if c.cell_type == "markdown"))
+    words = len(re.sub(r" \(about \d+ min\)$", "", prose, flags=re.MULTILINE).split())
+    tags = [cell_tags(cell) for cell in own if cell.cell_type == "code"]
+    hunts = sum("hunt" in each for each in tags)
+    exercises = sum("exercise" in each for each in tags) - hunts
+    minutes = words / 180 + 0.4 * (len(tags) - exercises - hunts) + 1.6 * exercises + 8 * hunts
+    assert f"About {5 * round(minutes / 5)} minutes. That is an estimate" in page.cells[0].source
+    assert not re.search(r"takes \d+ minutes", prose)
+
+
+def test_a_time_is_written_into_the_heading_of_an_exercise_and_again_without_a_trace():
+    task = "Text.\n\n### Practice: which?\n\n" + "word " * 180 + "\n\n<details>folded text</details>"
+    cells = [
+        nbformat.v4.new_markdown_cell(task),
+        nbformat.v4.new_code_cell("answer = None", metadata={"tags": ["exercise", "which"]}),
+        nbformat.v4.new_markdown_cell("### Practice in general"),
+    ]
+    once = with_header(nbformat.v4.new_notebook(cells=cells), "00_page")
+    assert "### Practice: which? (about 3 min)\n" in once.cells[1].source
+    assert once.cells[-1].source == "### Practice in general"
+    assert minutes_of(once.cells[1:2]) == minutes_of(cells[:1])
+    assert [cell.source for cell in with_header(once, "00_page").cells] == [cell.source for cell in once.cells]
+
+
+@each_notebook
+def test_the_colophon_lists_what_the_page_shows(stem):
+    cells = code_cells(committed(stem))
+    shows = sum(cell.source.count("show_source(") for cell in cells)
+    colophons = [cell for cell in cells if "colophon" in cell_tags(cell)]
+    assert len(colophons) == (shows > 0)
+    for cell in colophons:
+        rows = re.findall(r"\| `(.+?)` \| `.+?` \| (\d+)-(\d+) \| `(.+?)` \|", str(shown(cell)))
+        assert len(rows) == shows
+        for file, first, last, sha256 in rows:
+            lines = (ROOT / file).read_text().splitlines(keepends=True)[int(first) - 1 : int(last)]
+            assert hashlib.sha256("".join(lines).encode()).hexdigest() == sha256

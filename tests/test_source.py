@@ -2,22 +2,41 @@
 
 import hashlib
 import inspect
+from pathlib import Path
 
 import pytest
 
 import z2r
-from z2r.course.source import show_source
+from z2r.course import source as sources
+from z2r.course.source import colophon, show_source
 from z2r.errors import printable
 
+ROOT = Path(z2r.__file__).parents[1]
 
-@pytest.mark.parametrize("thing", [z2r.decode_yaw, z2r.frame_errors, z2r.episode_reached, z2r.EpisodeIndex, z2r.load])
-def test_source_is_the_packages_own_and_carries_its_fingerprint(thing):
+
+THINGS = (z2r.decode_yaw, z2r.frame_errors, z2r.episode_reached, z2r.EpisodeIndex, z2r.load)
+
+
+@pytest.mark.parametrize("thing", THINGS)
+def test_source_is_the_packages_own_and_says_where_it_is(thing):
     source = show_source(thing)
-    whole = inspect.getsource(thing)
-    assert set(source.splitlines()) <= {*whole.splitlines()}
-    assert source.fingerprint.endswith(f"{thing.__qualname__} · {hashlib.sha256(whole.encode()).hexdigest()[:8]}…")
+    assert set(source.splitlines()) <= {*inspect.getsource(thing).splitlines()}
+    assert (ROOT / source.file).name == Path(inspect.getfile(inspect.unwrap(thing))).name
     assert source in source._repr_markdown_()
-    assert source.fingerprint in source._repr_markdown_()
+    assert source.file in source._repr_markdown_()
+
+
+def test_the_colophon_has_the_lines_and_the_fingerprint_of_all_that_was_shown_once(monkeypatch):
+    monkeypatch.setattr(sources, "_shown", {})
+    for thing in (*THINGS, *THINGS):
+        show_source(thing)
+    places = colophon()
+    assert [place.name for place in places] == [thing.__qualname__ for thing in THINGS]
+    for place, thing in zip(places, THINGS, strict=True):
+        lines = (ROOT / place.file).read_text().splitlines(keepends=True)[place.first - 1 : place.last]
+        assert "".join(lines) == inspect.getsource(thing)
+        assert place.sha256 == hashlib.sha256("".join(lines).encode()).hexdigest()
+        assert f"| {place.first}-{place.last} | `{place.sha256}` |" in places._repr_markdown_()
 
 
 def test_the_docstring_is_left_out_and_the_code_is_whole():

@@ -8,13 +8,14 @@ practice.check_seen_from_block(seen_from_block)"""
 
 EXERCISES = {
     "predict-yaw-swap": {
-        "solution": PREDICT.format("217, 76, 0, 3"),
+        "solution": PREDICT.format("217, 76, 0"),
         "wrong": {
-            "all as before": (PREDICT.format("217, 76, 3, 3"), "it is 217 frames, the longest episode 76, 0 of 3"),
-            "frames are lost": (PREDICT.format("0, 76, 0, 3"), "you said '0 frames"),
-            "lengths change": (PREDICT.format("217, 67, 0, 3"), "which the swap does not touch"),
-            "one survives": (PREDICT.format("217, 76, 1, 3"), "about 90 degrees"),
-            "two swaps are worse": (PREDICT.format("217, 76, 0, 0"), "the angle between them stays"),
+            "all as before": (PREDICT.format("217, 76, 3"), "it is (217, 76, 0)"),
+            "frames are lost": (PREDICT.format("0, 76, 0"), "you said (0, 76, 0)"),
+            "lengths change": (PREDICT.format("217, 67, 0"), "which the swap does not touch"),
+            "one survives": (PREDICT.format("217, 76, 1"), "about 90 degrees"),
+            "another question": (PREDICT.format("217, 76, 3"), "for the target as well"),
+            "two swaps are worse": (PREDICT.format("217, 76, 3, again=0"), "the angle between them stays"),
         },
     },
     "swap": {

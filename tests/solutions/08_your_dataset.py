@@ -1,14 +1,21 @@
-OTHER = "practice.predict_other_robot({})"
+PREDICT = "practice.predict_reached({})"
 MOVES = "def never_moves(values):\n    return {}\npractice.check_never_moves(never_moves)"
-MEAN = "def column_mean(values, episodes):\n    return {}\npractice.check_column_mean(column_mean)"
+AHEAD = """\
+def frames_ahead(action, state):
+    tried = {}
+    shares = [share(action, state, ahead) for ahead in tried]
+    return {}
+practice.check_frames_ahead(frames_ahead)"""
+SANE = "def is_sane(action, state):\n    return {}\npractice.check_is_sane(is_sane)"
 
 EXERCISES = {
-    "other-robot": {
-        "solution": OTHER.format('"nothing"'),
+    "predict-reached": {
+        "solution": PREDICT.format('"nothing"'),
         "wrong": {
-            "as before": (OTHER.format('"6 of 6"'), "it is nothing"),
-            "none reached": (OTHER.format('"0 of 6"'), "it does not guess"),
-            "a number": (OTHER.format("0"), "you said 0"),
+            "all": (PREDICT.format('"13 of 13"'), "Nobody has said yet"),
+            "none": (PREDICT.format('"0 of 13"'), "worse than no number"),
+            "a number": (PREDICT.format("0"), "you said 0"),
+            "wrong again": (PREDICT.format('"13 of 13", again="6 of 6"'), "it does not guess"),
         },
     },
     "never-moves": {
@@ -22,16 +29,30 @@ EXERCISES = {
             "those that are zero": (MOVES.format("values.max(axis=0) == 0"), "not yet"),
         },
     },
-    "column-mean": {
-        "solution": MEAN.format("values.mean()"),
+    "frames-ahead": {
+        "solution": AHEAD.format("range(-9, 10)", "tried[np.argmax(shares)]"),
         "wrong": {
-            "the median": (MEAN.format("np.median(values)"), "x of the block"),
-            "of the sums": (
-                MEAN.format("np.mean([values[episodes[i]].sum() for i in range(len(episodes))])"),
-                "Every frame counts once",
+            "only before": (AHEAD.format("range(-9, 0)", "tried[np.argmax(shares)]"), "for the elbow of arm"),
+            "its place in the list": (AHEAD.format("range(-9, 10)", "np.argmax(shares)"), "expected 2 and got 11"),
+            "without its sign": (AHEAD.format("range(-9, 10)", "abs(tried[np.argmax(shares)])"), "five frames late"),
+            "the worst": (AHEAD.format("range(-9, 10)", "tried[np.argmin(shares)]"), "Which numbers of frames"),
+            "too few": (AHEAD.format("range(-1, 4)", "tried[np.argmax(shares)]"), "comes after the motion"),
+        },
+    },
+    "is-sane": {
+        "solution": SANE.format("np.abs(action[:-2, :5] - state[2:, :5]).max() < 9"),
+        "wrong": {
+            "all is well": (SANE.format("True"), "6 of 6 damaged ones pass"),
+            "nothing is": (SANE.format("False"), "6 false alarms"),
+            "the gripper too": (SANE.format("np.abs(action[:-2] - state[2:]).max() < 9"), "false alarms in 6 good"),
+            "too strict": (SANE.format("np.abs(action[:-2, :5] - state[2:, :5]).max() < 3"), "false alarms in 6 good"),
+            "a range": (SANE.format("np.abs(state).max() < 180"), "commands five frames late"),
+            "a correlation": (
+                SANE.format("all(np.corrcoef(action[:, j], state[:, j])[0, 1] > 0.9 for j in range(5))"),
+                "a follower 17 degrees",
             ),
-            "one episode": (MEAN.format("values[episodes[0]].mean()"), "expected"),
-            "the example": (MEAN.format("values.sum() / 1000"), "x of the block"),
+            "an answer for each frame": (SANE.format("np.abs(action - state) < 20"), "for the whole episode"),
+            "an error": (SANE.format("action[999] > 0"), "raised IndexError"),
         },
     },
 }

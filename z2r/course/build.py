@@ -11,9 +11,10 @@ import sys
 import tempfile
 import time
 import tomllib
-from collections.abc import Iterator
-from itertools import filterfalse
+from collections.abc import Iterator, Sequence
+from itertools import filterfalse, pairwise
 from pathlib import Path
+from typing import Any
 from urllib.parse import urlsplit
 
 import jupytext
@@ -25,12 +26,14 @@ from nbformat import NotebookNode, v4
 from rich.console import Console
 from rich.table import Column, Table
 
+from z2r.course.replies import run_with_replies
+
 ROOT = Path(__file__).resolve().parents[2]
 NOTEBOOKS = ROOT / "notebooks"
 
 _METADATA = {
     "jupytext": {
-        "cell_metadata_filter": "tags,-all",
+        "cell_metadata_filter": "tags,jupyter,cellView,-all",
         "formats": "ipynb,py:percent",
         "notebook_metadata_filter": "-jupytext.text_representation.jupytext_version",
     },
@@ -39,17 +42,28 @@ _METADATA = {
 _BADGE = """\
 [![Open in Colab](https://colab.research.google.com/assets/colab-badge.svg)](https://colab.research.google.com/github/\
 {owner_and_name}/blob/main/notebooks/{stem}.ipynb)
-
-The link opens this notebook in Colab as soon as the repository of the course is public."""
+About {minutes} minutes. That is an estimate, from words, cells and exercises."""
 _SETUP = """\
-import importlib.util
+# @title Set up: installs z2r where it is missing, as in Colab
+from importlib.util import find_spec
 from pathlib import Path
 
-# Where z2r is missing, as in Colab: from a wheel beside this page, or else from its repository
-if importlib.util.find_spec("z2r") is None:
-    wheels = [path.resolve().as_uri() for path in Path().glob("z2r-*.whl")]
-    source = wheels[0] if wheels else "git+{repository}"
-    get_ipython().run_line_magic("pip", f'install --quiet "z2r[notebook] @ {{source}}"')"""
+if not find_spec("z2r"):  # from a wheel beside this page, or its repository
+    source = "git+{repository}"
+    for wheel in Path().glob("z2r-*.whl"):
+        source = wheel.resolve().as_uri()
+    get_ipython().run_line_magic("pip", f'install -q "z2r[notebook]@{{source}}"')"""
+_COLOPHON = """\
+from z2r.course.source import colophon
+
+colophon()"""
+_FOLDED: dict[str, Any] = {"jupyter": {"source_hidden": True}, "cellView": "form"}  # in JupyterLab, in Colab
+_MADE_HERE = {"badge", "setup", "colophon"}
+
+# One formula for all pages, from a first reader's minutes: so many words a minute, and so long for a cell and a task.
+_WORDS_A_MINUTE, _MINUTES_A_CELL, _MINUTES_AN_EXERCISE, _MINUTES_A_HUNT = 180, 0.4, 1.6, 8.0
+_FOLDED_TEXT = re.compile(r"<details>.*?</details>", re.DOTALL)
+_TASK = re.compile(r"^(#+ (?:Practice|Hunt)\b.*?)(?: \(about \d+ min\))?$", re.MULTILINE)
 
 # What differs between two machines, or between two runs on one, has no place on a page.
 _SYSTEM_FOLDERS = "Users|content|etc|home|mnt|opt|private|proc|root|run|srv|tmp|usr|var"
@@ -67,26 +81,62 @@ class BuildError(Exception):
     """A notebook cannot be built: which one, which cell, and why."""
 
 
-def header(stem: str) -> tuple[NotebookNode, NotebookNode]:
-    """Return the badge cell and the setup cell of a notebook, the same in all of them but for its stem."""
+def header(stem: str, minutes: int) -> tuple[NotebookNode, NotebookNode]:
+    """Return the badge cell and the setup cell of a notebook, the same in all of them but for its stem and its time."""
     # The address of the repository stands there and nowhere else.
     address = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["urls"]["Repository"]
-    badge = _BADGE.format(owner_and_name=urlsplit(address).path.strip("/"), stem=stem)
-    setup = _SETUP.format(repository=address)
-    tags = ({"tags": ["badge"]}, {"tags": ["setup"]})
-    return v4.new_markdown_cell(badge, metadata=tags[0]), v4.new_code_cell(setup, metadata=tags[1])
+    badge = _BADGE.format(owner_and_name=urlsplit(address).path.strip("/"), stem=stem, minutes=minutes)
+    setup = v4.new_code_cell(_SETUP.format(repository=address), metadata=_FOLDED | {"tags": ["setup"]})
+    return v4.new_markdown_cell(badge, metadata={"tags": ["badge"]}), setup
 
 
 def with_header(notebook: NotebookNode, stem: str) -> NotebookNode:
-    """Return the notebook with the badge cell first, the setup cell before its first code, and ids from its stem."""
-    badge, setup = header(stem)
-    cells = [cell for cell in notebook.cells if not {"badge", "setup"} & set(cell.metadata.get("tags", []))]
+    """Return the notebook with all that is the same on every page, and ids from its stem.
+
+    That is the badge cell first, with an estimate of the time; the setup cell before the first code; at the end, where
+    the page shows source, its colophon; and the time of each exercise, in its heading.
+    """
+    cells = [copy.copy(cell) for cell in notebook.cells if not _MADE_HERE & _tags(cell)]
+    for heading, task in _tasks(cells):
+        minutes = max(1, round(minutes_of(task)))
+        heading["source"] = _TASK.sub(rf"\1 (about {minutes} min)", heading.source)
+    badge, setup = header(stem, 5 * max(1, round(minutes_of(cells) / 5)))
     first_code = next((i for i, cell in enumerate(cells) if cell.cell_type == "code"), len(cells))
     cells = [badge, *cells[:first_code], setup, *cells[first_code:]]
+    if any("show_source(" in cell.source for cell in cells if cell.cell_type == "code"):
+        cells.append(v4.new_code_cell(_COLOPHON, metadata=_FOLDED | {"tags": ["colophon"]}))
     for position, cell in enumerate(cells):
         cell["id"] = f"{stem}-{position:02d}"
     with_ids: NotebookNode = v4.new_notebook(cells=cells, metadata=copy.deepcopy(_METADATA))
     return with_ids
+
+
+def minutes_of(cells: Sequence[NotebookNode]) -> float:
+    """Estimate how long cells take, in minutes: from their words, their code cells and their exercises.
+
+    What is folded is not counted, and a time that is written in a heading is no words.
+    """
+    prose = (_FOLDED_TEXT.sub("", _TASK.sub(r"\1", cell.source)) for cell in cells if cell.cell_type == "markdown")
+    minutes = sum(len(text.split()) for text in prose) / _WORDS_A_MINUTE
+    for tags in (_tags(cell) for cell in cells if cell.cell_type == "code"):
+        kind = _MINUTES_A_HUNT if "hunt" in tags else _MINUTES_AN_EXERCISE if "exercise" in tags else _MINUTES_A_CELL
+        minutes += kind
+    return minutes
+
+
+def _tasks(cells: Sequence[NotebookNode]) -> Iterator[tuple[NotebookNode, list[NotebookNode]]]:
+    """Yield each cell with the heading of an exercise, and the cells from there to the last exercise under it."""
+    headings = {i: _TASK.search(cell.source) for i, cell in enumerate(cells) if cell.cell_type == "markdown"}
+    found = [(i, heading.start()) for i, heading in headings.items() if heading]
+    for (start, place), (stop, _) in pairwise([*found, (len(cells), 0)]):
+        asked = [i for i in range(start, stop) if "exercise" in _tags(cells[i])]
+        if asked:
+            task = v4.new_markdown_cell(cells[start].source[place:])
+            yield cells[start], [task, *cells[start + 1 : asked[-1] + 1]]
+
+
+def _tags(cell: NotebookNode) -> set[str]:
+    return set(cell.metadata.get("tags", []))
 
 
 def read_script(path: Path) -> NotebookNode:
@@ -160,7 +210,7 @@ def build(script: Path) -> NotebookNode:
     if not is_up_to_date(script):
         script.write_text(jupytext.writes(notebook, fmt="py:percent"), encoding="utf-8")
     with tempfile.TemporaryDirectory() as folder:
-        executed = execute(notebook, Path(folder))
+        executed = run_with_replies(notebook, script, lambda each: execute(each, Path(folder)))
     if found := list(faults(executed)):
         raise BuildError(f"{script.name}: " + "\n".join(found))
     for cell in (cell for cell in executed.cells if cell.cell_type == "code"):

@@ -6,6 +6,7 @@ dataset. Small datasets are meant: all frames are in memory at once.
 
 import shutil
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ from z2r.format.dataset import Dataset, load
 from z2r.format.episodes import EPISODES_DIR, DataFile, shard_paths
 from z2r.format.schema import ACTION, INFO_PATH, STATE
 from z2r.format.tables import STATS_PATH
+from z2r.format.videos import video_features
 
 _DATA_PATH = "data/chunk-{chunk_index:03d}/file-{file_index}.parquet"  # without zeros: file-10 sorts before file-9
 _N_SHARDS = 3
@@ -147,6 +149,101 @@ def delay_actions(root: Path) -> None:
             return np.concatenate([np.roll(part, 1, axis=0) for part in parts])
 
         _edit_feature(file.path, ACTION, delay)
+
+
+def record_badly(root: Path, out: Path) -> Path:
+    """Copy the recording of an arm, as three mistakes of its owner would have left it.
+
+    The follower's ``elbow_flex.pos`` is measured in radians. Every command is stored five frames after it was sent. The
+    last camera had its cap on. The stored statistics are those of a recorder, which saw nothing else.
+
+    Parameters
+    ----------
+    root : Path
+        The dataset of an arm whose joints are in degrees, with videos in h264; it is not written to.
+    out : Path
+        The copy. What was there before is gone.
+
+    Returns
+    -------
+    Path
+        `out`.
+    """
+    root, out = Path(root), Path(out)
+    if out.exists():
+        load(out)  # so that nothing but a dataset is ever removed
+        shutil.rmtree(out)
+    shutil.copytree(root, out)
+    dataset = load(out)
+    [elbow] = dataset.schema.columns(STATE, ["elbow_flex.pos"])
+    for file in dataset.files:
+        _edit_feature(file.path, STATE, partial(_in_radians, elbow))
+        _edit_feature(file.path, ACTION, partial(_held_back, _ranges(dataset, file), 5))
+    camera = video_features(dataset.schema)[-1]
+    for path in sorted((out / "videos" / camera).rglob("*.mp4")):
+        _blacken(path)
+    _renew_statistics(load(out), (STATE, ACTION), camera)
+    return out
+
+
+def _in_radians(column: int, values: _Values) -> _Values:
+    values[:, column] = np.deg2rad(values[:, column])
+    return values
+
+
+def _held_back(ranges: Sequence[tuple[int, int]], by: int, values: _Values) -> _Values:
+    """Store each row so many rows later, within its range; the first one waits."""
+    rows = np.concatenate([np.maximum(np.arange(start, stop) - by, start) for start, stop in ranges])
+    held: _Values = values[rows]
+    return held
+
+
+def _blacken(path: Path) -> None:
+    """Write a video anew, with as many pictures, all of them black."""
+    import av  # of the extra `video`, which nothing else here needs
+
+    with av.open(str(path)) as film:
+        own = film.streams.video[0]
+        n, rate, width, height = own.frames, own.average_rate, own.width, own.height
+    black = av.VideoFrame.from_ndarray(np.zeros((height, width, 3), dtype=np.uint8), format="rgb24")
+    with av.open(str(path), "w") as film:
+        stream = film.add_stream("libx264", rate=rate, options={"g": "2", "preset": "ultrafast"})
+        stream.width, stream.height, stream.pix_fmt = width, height, "yuv420p"
+        for number in range(n):
+            black.pts = number
+            film.mux(stream.encode(black))
+        film.mux(stream.encode())
+
+
+def _renew_statistics(dataset: Dataset, features: Sequence[str], camera: str) -> None:
+    """Write the statistics of these features anew, those of the dataset and of each episode; a camera's become 0."""
+    values = {feature: dataset.read(feature).astype(np.float64) for feature in features}
+    path = dataset.root / STATS_PATH
+    stats = msgspec.json.decode(path.read_bytes())
+    for feature in features:
+        stats[feature] |= _statistics(values[feature])
+    stats[camera] = {kind: own if kind == "count" else _zeros(own) for kind, own in stats[camera].items()}
+    path.write_bytes(msgspec.json.encode(stats))
+
+    def renew(row: _Row) -> None:
+        part = dataset.episodes[row["episode_index"]]
+        for feature in features:
+            row |= {f"stats/{feature}/{kind}": own for kind, own in _statistics(values[feature][part]).items()}
+        dark = (name for name in row if name.startswith(f"stats/{camera}/") and not name.endswith("/count"))
+        row |= {name: _zeros(row[name]) for name in dark}
+
+    _edit_rows(dataset.root, renew)
+
+
+def _statistics(values: NDArray[np.float64]) -> dict[str, list[float]]:
+    """Return what LeRobot stores of the values of a feature, (n, size)."""
+    plain = {kind: getattr(values, kind)(axis=0) for kind in ("min", "max", "mean", "std")}
+    quantiles = {f"q{share:02d}": np.quantile(values, share / 100, axis=0) for share in (1, 10, 50, 90, 99)}
+    return {kind: own.tolist() for kind, own in (plain | quantiles).items()}
+
+
+def _zeros(nested: Any) -> Any:
+    return [_zeros(each) for each in nested] if isinstance(nested, list) else 0.0
 
 
 def _ranges(dataset: Dataset, file: DataFile) -> list[tuple[int, int]]:

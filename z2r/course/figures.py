@@ -25,6 +25,7 @@ from z2r.errors import count
 from z2r.format.about import short_names
 from z2r.format.dataset import Dataset
 from z2r.format.episodes import EpisodeIndex
+from z2r.format.schema import ACTION, STATE
 from z2r.format.videos import video_features
 from z2r.pusht.overlap import pusher_in_block
 from z2r.pusht.world import BODIES, PUSHT
@@ -472,6 +473,38 @@ def action_and_motion(action: Floats, velocity: Floats, fps: float) -> Figure:
     axes.plot(time[:-1], velocity, "x-", color=drawing.VERMILLION, markersize=6, linewidth=1, gid="motion")
     axes.set(xlabel="time of the frame [s]", ylabel="velocity [m/s]")
     axes.set_title("ring: what the action of a frame asks, cross: what the pusher then does")
+    return figure
+
+
+@drawing.in_style
+def commands_and_joints(dataset: Dataset, episode: int, *joints: str) -> Figure:
+    """Draw what some joints of an arm were told, and where they were, in one episode.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        From `z2r.load`; it has columns of these names in ``observation.state`` and in ``action``.
+    episode : int
+        Its number, from 0.
+    *joints : str
+        Names of columns.
+
+    Raises
+    ------
+    ValueError
+        If there is no such column, or no joint is named.
+    """
+    if not joints:
+        raise ValueError("found no joint, expected the name of one at least")
+    part = dataset.episodes[episode]
+    figure = drawing.new_figure(9, 2.9)
+    panels = figure.subplots(1, len(joints), squeeze=False)[0]
+    for axes, joint in zip(panels, joints, strict=True):
+        for feature, color, style in ((ACTION, drawing.BLUE, "--"), (STATE, drawing.VERMILLION, "-")):
+            values = dataset.read(feature)[part][:, dataset.schema.columns(feature, [joint])[0]]
+            axes.plot(np.arange(len(values)) / dataset.schema.fps, values, style, color=color, gid=f"{feature} {joint}")
+        axes.set(title=joint, xlabel="time of the frame [s]")
+    panels[0].legend(["told to be (action)", "is (state)"], frameon=False)
     return figure
 
 

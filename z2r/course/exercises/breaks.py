@@ -9,7 +9,7 @@ from matplotlib.patches import Circle, Rectangle
 
 from z2r.api import inspect_dataset, load
 from z2r.course import figures
-from z2r.course.exercises._core import Case, judge_function, judge_prediction
+from z2r.course.exercises._core import Case, Question, judge_function, judge_prediction
 from z2r.data import STANDIN
 from z2r.format.schema import STATE, Feature, Schema
 from z2r.pusht import task
@@ -26,7 +26,7 @@ _PLACES = ((0.05, 0.1, 0.02, 0, 90), (0.05, 0.02, 0.05, -0.04, 0), (0, -0.07, 0.
 
 
 def predict_yaw_swap(
-    n_frames: int | None, longest: int | None, n_reached: int | None, n_reached_everywhere: int | None
+    n_frames: int | None, longest: int | None, n_reached: int | None, again: int | None = None
 ) -> Figure | None:
     """Judge what the learner expects `yaw-swap` to make of the metrics of the first three episodes.
 
@@ -35,8 +35,8 @@ def predict_yaw_swap(
     n_frames, longest, n_reached : int or None
         Number of frames, length of the longest episode [frames], number of episodes that seem to reach the target;
         None where there is no prediction yet.
-    n_reached_everywhere : int or None
-        The last of these under `yaw-swap-everywhere`.
+    again : int, optional
+        The last of these under `yaw-swap-everywhere`, which is asked of whoever was wrong.
 
     Returns
     -------
@@ -48,17 +48,19 @@ def predict_yaw_swap(
     everywhere = inspect_dataset(dataset, break_mode("yaw-swap-everywhere")).outcome
     assert found.outcome is not None
     assert everywhere is not None
-    answers = n_frames, longest, n_reached, n_reached_everywhere
-    said = None if None in answers else _metrics(*answers)
-    truth = _metrics(
-        found.episodes.n_frames, max(found.episodes.lengths), found.outcome.n_reached, everywhere.n_reached
-    )
+    answers = n_frames, longest, n_reached
+    said = None if None in answers else answers
+    truth = found.episodes.n_frames, int(max(found.episodes.lengths)), found.outcome.n_reached
     why = (
         "Frames and lengths come from the episode index, which the swap does not touch. "
-        "The yaw comes from the swapped columns: near the target, about 90 degrees instead of about 0. "
-        "If the target's yaw is swapped too, both are wrong alike, and the angle between them stays."
+        "The yaw comes from the swapped columns: near the target, about 90 degrees instead of about 0."
     )
-    judge_prediction(said, truth, why)
+    second = Question(
+        everywhere.n_reached,
+        "If the target's yaw is swapped too, both are wrong alike, and the angle between them stays.",
+        "And if the same swap is made for the target as well: how many reach it?",
+    )
+    judge_prediction(said, truth, why, second, again)
     if said is None or said == truth:
         return None
     state = dataset.read(STATE)[dataset.episodes[1]]
@@ -122,11 +124,6 @@ def check_seen_from_block(function: Callable[[float, float, float, float, float]
     except (TypeError, ValueError):  # not two numbers: nothing to draw
         return None
     return _draw_around_block(_seen_from_block(*wrong.args), (across, along))
-
-
-def _metrics(n_frames: object, longest: object, n_reached: object, n_reached_everywhere: object) -> str:
-    reached = f"{n_reached} of 3 reached, {n_reached_everywhere} of 3 with yaw-swap-everywhere"
-    return f"{n_frames} frames, the longest episode {longest}, {reached}"
 
 
 def _shown(sin: str | None, cos: str | None) -> str:

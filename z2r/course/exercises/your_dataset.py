@@ -1,43 +1,48 @@
 """Exercises of `08_your_dataset`: is my data any good?"""
 
-import shutil
-import tempfile
 from collections.abc import Callable
-from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from z2r.api import inspect_dataset, load
 from z2r.arrays import Array, Floats
-from z2r.course import figures
-from z2r.course.exercises._core import Case, judge_function, judge_prediction
-from z2r.data import MESSY, STANDIN
-from z2r.format.episodes import EpisodeIndex
-from z2r.format.schema import ACTION, INFO_PATH, STATE
+from z2r.course.exercises._core import NOT_ATTEMPTED, NOT_YET, RIGHT, Case, Question, judge_function, judge_prediction
+from z2r.data import ARM, MESSY
+from z2r.format.schema import ACTION, STATE
 
-_OTHER_NAMES = {"pusher": "hand", "tee": "part", "target": "slot"}
+_N = 10  # frames: how far the function of the bug hunt looks
 
 
-def predict_other_robot(prediction: str | None) -> None:
-    """Judge how many episodes the learner expects `z2r` to call reached where the columns have other names.
+class _Recording(NamedTuple):
+    """An episode of the arm, good or with something wrong."""
+
+    what: str
+    action: Floats
+    state: Floats
+
+
+def predict_reached(prediction: str | None, again: str | None = None) -> None:
+    """Judge how many episodes the learner expects `z2r` to call reached, where no reading says what that is.
 
     Parameters
     ----------
-    prediction : str or None
-        ``0 of 6``, ``6 of 6`` or ``nothing``; None where there is no prediction yet.
+    prediction, again : str or None
+        ``13 of 13``, ``0 of 13`` or ``nothing``; None where there is no prediction yet.
     """
-    with tempfile.TemporaryDirectory() as folder:
-        root = Path(shutil.copytree(STANDIN, Path(folder) / "other"))
-        info = (root / INFO_PATH).read_text(encoding="utf-8")
-        for name, other_name in _OTHER_NAMES.items():
-            info = info.replace(name, other_name)
-        (root / INFO_PATH).write_text(info, encoding="utf-8")
-        outcome = inspect_dataset(load(root)).outcome
-    truth = "nothing" if outcome is None else f"{outcome.n_reached} of {len(outcome.reached)}"
-    said = prediction.strip().lower() if isinstance(prediction, str) else prediction
-    why = "A reading finds its columns by their names, never by their places. Without the names it does not guess."
-    judge_prediction(said, truth, why)
+    outcome = inspect_dataset(ARM).outcome
+    truth = "nothing" if outcome is None else outcome.tally
+    why = "Nobody has said yet what counts as reached. A guess that looks like a number is worse than no number."
+    second = Question(
+        "nothing",
+        "A reading finds its columns by their names, never by their places. Without the names it does not guess.",
+        "The columns of standin, of which 6 of 6 reached, get other names. What does z2r say of it?",
+    )
+    judge_prediction(_plain(prediction), truth, why, second, _plain(again))
+
+
+def _plain(answer: object) -> object:
+    return answer.strip().lower() if isinstance(answer, str) else answer
 
 
 def check_never_moves(function: Callable[[Array], object]) -> None:
@@ -50,8 +55,8 @@ def check_never_moves(function: Callable[[Array], object]) -> None:
     """
     there_and_back = np.array([[0.0, 1.0, 5.0], [2.0, 1.0, 5.0], [0.0, 1.0, 4.999]])
     cases = [
-        Case("the state of the messy dataset", (load(MESSY).read(STATE),)),
-        Case("its action", (load(MESSY).read(ACTION),)),
+        Case("the state of messy, in which the target rests", (load(MESSY).read(STATE),)),
+        Case("the state of arm", (load(ARM).read(STATE),)),
         Case("three frames in which the first dimension goes and comes back", (there_and_back,)),
         Case("a single frame", (np.array([[1.0, 2.0]]),)),
         Case("1108 frames of a constant 0.1 in float32", (np.full((1108, 1), 0.1, np.float32),)),
@@ -60,37 +65,107 @@ def check_never_moves(function: Callable[[Array], object]) -> None:
     judge_function(function, lambda values: values.min(axis=0) == values.max(axis=0), cases, hint)
 
 
-def check_column_mean(function: Callable[[Floats, EpisodeIndex], object]) -> Figure | None:
-    """Try a function that takes the mean of a column over all frames of a dataset.
+def check_frames_ahead(function: Callable[[Floats, Floats], object]) -> None:
+    """Try a function that says how many frames later a joint does what it was told.
 
     Parameters
     ----------
     function : callable
-        The learner's: takes float64[n_frames] and the episode index, returns the mean over the frames.
-
-    Returns
-    -------
-    Figure or None
-        The episodes of the first case that went wrong.
+        The learner's: takes the command and the place of one joint, float64[n_frames] each; returns a number of frames,
+        negative where the joint seems to be ahead of its command.
     """
-    messy = load(MESSY)
-    tee_x = messy.read(STATE)[:, messy.schema.columns(STATE, ["tee_x"])[0]].astype(np.float64)
+    action, state = _episode(5)
+    late, early = _held(action, 5), action[3:]
     cases = [
-        Case("x of the block in the messy dataset", (tee_x, messy.episodes)),
-        Case("four frames, an episode of three and one of one", (np.array([1.0, 1.0, 1.0, 5.0]), _index(3, 1))),
-        Case("two episodes of two frames", (np.array([1.0, 3.0, 5.0, 7.0]), _index(2, 2))),
+        Case("the elbow of arm", (action[:, 2], state[:, 2])),
+        Case("the same, its commands stored five frames late", (late[:, 2], state[:, 2])),
+        Case("its shoulder, the commands late", (late[:, 0], state[:, 0])),
+        Case("its wrist, the commands three frames early", (early[:, 3], state[:-3, 3])),
     ]
-    hint = "Every frame counts once. How much does a frame of a short episode count here?"
-    wrong = judge_function(
-        function, lambda values, _: float(values.mean()), cases, hint, untouched=_column_mean_as_handed_out
-    )
-    return None if wrong is None else figures.episode_ribbon(wrong.args[1])
+    hint = "Which numbers of frames does it try? A command that is stored late comes after the motion."
+    judge_function(function, _frames_ahead, cases, hint, untouched=_frames_ahead_as_handed_out)
 
 
-def _column_mean_as_handed_out(values: Floats, episodes: EpisodeIndex) -> float:
-    return float(np.mean([values[episodes[i]].mean() for i in range(len(episodes))]))
+def check_is_sane(function: Callable[[Floats, Floats], object]) -> None:
+    """Try a fact about the arm on episodes that are good, and on others in which something is wrong.
+
+    Parameters
+    ----------
+    function : callable
+        The learner's: takes the action and the state of an episode, float64[n_frames, 6] each, in degrees and percent;
+        returns whether the two go together.
+    """
+    good, bad = _recordings()
+    try:
+        said = [function(each.action.copy(), each.state.copy()) for each in (*good, *bad)]
+    except Exception as error:  # whatever the learner's code raises is an answer, not a crash
+        print(f"{NOT_YET}: your function raised {type(error).__name__}: {error}.")
+        return
+    if all(answer is ... or answer is None for answer in said):
+        print(f"{NOT_ATTEMPTED}: put a fact in place of the three dots, then run the cell again.")
+        return
+    if not all(isinstance(answer, bool | np.bool_) for answer in said):
+        print(f"{NOT_YET}: your function returned {said[0]!r}, expected True or False for the whole episode.")
+        return
+    alarms = [each.what for each, sane in zip(good, said, strict=False) if not sane]
+    missed = [each.what for each, sane in zip(bad, said[len(good) :], strict=True) if sane]
+    if alarms:
+        print(f"{NOT_YET}: {len(alarms)} false alarms in {len(good)} good episodes, the first in {alarms[0]}.")
+    if missed:
+        print(f"{NOT_YET}: {len(missed)} of {len(bad)} damaged ones pass for good: {', '.join(missed)}.")
+    if not alarms and not missed:
+        print(f"{RIGHT}: no false alarm in {len(good)} good episodes, and all {len(bad)} damaged ones found.")
 
 
-def _index(*lengths: int) -> EpisodeIndex:
-    to_index = np.cumsum(lengths, dtype=np.int64)
-    return EpisodeIndex(to_index - np.array(lengths), to_index)
+def _recordings() -> tuple[list[_Recording], list[_Recording]]:
+    """Episodes of the arm that the page does not show: the good ones, and one for each mistake."""
+    good = [_Recording(f"episode {number}", *_episode(number)) for number in (1, 3, 6, 8, 11, 12)]
+    episodes = [_episode(number) for number in (2, 7, 5, 10, 9, 4)]
+    stories: dict[str, Callable[[Floats, Floats], tuple[Floats, Floats]]] = {
+        "commands five frames late": lambda action, state: (_held(action, 5), state),
+        "an elbow in radians": lambda action, state: (action, _with(state, 2, np.deg2rad(state[:, 2]))),
+        "two joints exchanged": lambda action, state: (action, state[:, [1, 0, 2, 3, 4, 5]]),
+        "a follower 17 degrees beside its leader": lambda action, state: (action, _with(state, 0, state[:, 0] + 17)),
+        "a motor mounted the other way round": lambda action, state: (action, _with(state, 0, -state[:, 0])),
+        "a joint that hangs for two seconds": lambda action, state: (action, _with(state, 1, _hanging(state[:, 1]))),
+    }
+    return good, [_Recording(what, *harm(*own)) for (what, harm), own in zip(stories.items(), episodes, strict=True)]
+
+
+def _with(state: Floats, joint: int, values: Floats) -> Floats:
+    state = state.copy()
+    state[:, joint] = values
+    return state
+
+
+def _hanging(values: Floats) -> Floats:
+    values, start = values.copy(), int(np.argmax(np.abs(np.diff(values))))
+    values[start : start + 60] = values[start]
+    return values
+
+
+def _held(action: Floats, by: int) -> Floats:
+    held: Floats = action[np.maximum(np.arange(len(action)) - by, 0)]
+    return held
+
+
+def _episode(number: int) -> tuple[Floats, Floats]:
+    arm = load(ARM)
+    part = arm.episodes[number]
+    return arm.read(ACTION)[part].astype(np.float64), arm.read(STATE)[part].astype(np.float64)
+
+
+def _frames_ahead(action: Floats, state: Floats) -> int:
+    return _best(action, state, range(1 - _N, _N))
+
+
+def _frames_ahead_as_handed_out(action: Floats, state: Floats) -> int:
+    return _best(action, state, range(_N))
+
+
+def _best(action: Floats, state: Floats, tried: range) -> int:
+    def share(ahead: int) -> Any:
+        first, then = (state, action) if ahead < 0 else (action, state)
+        return np.corrcoef(first[: len(first) - abs(ahead)], then[abs(ahead) :])[0, 1] ** 2
+
+    return max(tried, key=share)

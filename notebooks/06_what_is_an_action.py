@@ -1,0 +1,361 @@
+# ---
+# jupyter:
+#   jupytext:
+#     cell_metadata_filter: tags,jupyter,cellView,-all
+#     formats: ipynb,py:percent
+#     notebook_metadata_filter: -jupytext.text_representation.jupytext_version
+#     text_representation:
+#       extension: .py
+#       format_name: percent
+#       format_version: '1.3'
+#   kernelspec:
+#     display_name: Python 3
+#     language: python
+#     name: python3
+# ---
+
+# %% [markdown] tags=["badge"]
+# [![Open in Colab](https://colab.research.google.com/assets/colab-badge.svg)](https://colab.research.google.com/github/zero2robot/seeing-like-a-robot/blob/main/notebooks/06_what_is_an_action.ipynb)
+# About 20 minutes. That is an estimate, from words, cells and exercises.
+
+# %% [markdown]
+# # What is an action?
+#
+# Somebody wanted to learn from another lab's demonstrations, and opened the script that records them. They expected
+# steps: *go on by so much*. They found places: *be there*. So [they
+# asked](https://github.com/TEA-Lab/DemoGen/issues/4). Six numbers look like six numbers, and no file says what they
+# are.
+#
+# Is yours a place or a step? Of which joint? In which unit? And when does it happen? Believe the wrong answer, and the
+# arm goes somewhere else. On this page you get all four from the data, with a few lines of numpy. You do it for two
+# robots, and then you can do it for one that you have never seen.
+#
+# **By the end you can**
+#
+# - **tell** a target from a change;
+# - **name** its unit by a slope, and the column that it drives;
+# - **measure** how many frames later it happens;
+# - **notice** when the data cannot say.
+
+# %% jupyter={"source_hidden": true} cellView="form" tags=["setup"]
+# @title Set up: installs z2r where it is missing, as in Colab
+from importlib.util import find_spec
+from pathlib import Path
+
+if not find_spec("z2r"):  # from a wheel beside this page, or its repository
+    source = "git+https://github.com/zero2robot/seeing-like-a-robot"
+    for wheel in Path().glob("z2r-*.whl"):
+        source = wheel.resolve().as_uri()
+    get_ipython().run_line_magic("pip", f'install -q "z2r[notebook]@{source}"')
+
+# %%
+import numpy as np
+
+import z2r
+from z2r.course import figures
+from z2r.course.exercises import action as practice
+from z2r.reading.action import ActionSample, infer_action
+
+# %% [markdown]
+# ## Two robots
+#
+# `standin` is the round pusher, which shoves a block over a table. `arm` is an SO-101, the arm with six joints that
+# stands on many desks. Both were recorded in a simulator, and both ship with `z2r`. The *state* is what the robot
+# measures in a frame, the *action* is what it is told.
+
+
+# %%
+def episode(name, number=0):
+    dataset = z2r.load(name)
+    part = dataset.episodes[number]
+    return dataset.read("action")[part], dataset.read("observation.state")[part]
+
+
+# %% [markdown]
+# Forget that the columns have names. Here are five frames of the first number of each.
+
+# %%
+for name in ("standin", "arm"):
+    action, state = episode(name)
+    print(f"{name:8} action", *(f"{number:7.3f}" for number in action[60:65, 0]))
+    print(f"{'':8} state ", *(f"{number:7.3f}" for number in state[60:65, 0]))
+
+# %% [markdown]
+# Of the arm, the two lines are nearly the same. Of the pusher, they have nothing in common. That is a hint, and a hint
+# is not enough.
+#
+# ## A target, or a change?
+#
+# A **target** says where to be. Then the state should get there, some frames later. A **change** says by how much to go
+# on. Then not the state follows it, but its difference from one frame to the next.
+#
+# So try both, and try each number of frames. How do we know what fits? Plot the action over what was seen later, and
+# lay a straight line through the dots. How much of the ups and downs of the action does the line explain? All of it is
+# 1, nothing is 0. This *share* is the square of the correlation, and many call it R². The line also has a *slope*.
+
+
+# %%
+def hold(asked, seen, ahead):
+    """Return the share explained, and the slope, so many frames ahead."""
+    asked, seen = asked[: len(asked) - ahead], seen[ahead:]
+    slope = np.polyfit(seen, asked, 1)[0]
+    return np.corrcoef(asked, seen)[0, 1] ** 2, slope
+
+
+# %% [markdown]
+# The action of frame *k* meets what was seen in frame *k + ahead*. All of it lies inside one episode: across an end,
+# time does not go on.
+
+
+# %%
+def compare(action, state):
+    change = np.diff(state, prepend=state[0])
+    for ahead in range(5):
+        share, slope = hold(action, state, ahead)
+        print(f"{ahead} ahead: target {share:.4f}, slope {slope:5.2f}", end="  ")
+        share, slope = hold(action, change, ahead)
+        print(f"  change {share:.4f}, slope {slope:5.2f}")
+
+
+# %%
+action, state = episode("standin")
+compare(action[:, 0], state[:, 0])
+
+# %% [markdown]
+# No target comes near. A change does, one frame ahead, and it explains nearly all. Tell this robot 0.1, and it does not
+# go *to* 0.1. It goes *at* 0.1. Now the arm.
+
+# %%
+action, state = episode("arm")
+compare(action[:, 0], state[:, 0])
+
+# %% [markdown]
+# The other way round. The joint is a place, and it gets there two frames later.
+#
+# ## What the slope knows
+#
+# The arm's slope is 1.00: one of the action's units is one of the state's. The pusher's is 10.45. Ten what?
+#
+# ### Practice: count in seconds (about 2 min)
+#
+# **Predict, then run.** The change was counted in a *frame*, and `standin` has 10 frames in a second. Count it in a
+# *second*: multiply each change by 10. What becomes of the share, and of the slope? Put two numbers in place of the two
+# `None`.
+
+# %% tags=["exercise", "predict-a-second"]
+share = None
+slope = None
+practice.predict_a_second(share, slope)
+
+# %% [markdown]
+# <details><summary>Hint</summary>
+#
+# Think of the dots and the line, on paper that is stretched to ten times its width.
+#
+# </details>
+# <details><summary>Solution</summary>
+#
+# `share = 0.996` and `slope = 1.04`.
+#
+# </details>
+
+# %% [markdown]
+# So the share cannot tell a step from a *velocity*, which is a change in a second. The slope can. A slope of 10.45 is
+# no factor between units. A slope of 1.04 is close to one: this action is a velocity, in the unit of the state, a
+# second. (Metres, if the state is in metres. No slope knows that.)
+#
+# There are few such factors: 1, 100 and 1000, and 57.3, which is one radian in degrees. If you find 57.3, you know what
+# happened. Take the elbow of the arm in radians.
+
+# %%
+share, slope = hold(action[:, 2], np.deg2rad(state[:, 2]), ahead=2)
+print(f"share {share:.4f}, slope {slope:.1f}")
+
+# %% [markdown]
+# ## How late?
+#
+# Here is what a target leaves *unexplained*, in percent, for each joint and each number of frames. Find the smallest
+# number in each line, and look at its neighbours.
+
+# %%
+names = z2r.load("arm").schema.features["action"].dim_names
+print(" " * 18, *(f"{ahead:5}" for ahead in range(6)), "ahead")
+for k, name in enumerate(names):
+    shares = [hold(action[:, k], state[:, k], ahead)[0] for ahead in range(6)]
+    print(f"{name:18}", *(f"{100 * (1 - share):5.2f}" for share in shares))
+
+# %% [markdown]
+# Two frames, in every line: so long does this arm take to get going. But one frame ahead is nearly as good. So say *two
+# frames, give or take one*. A slow arm gives a long row of numbers alike, a *tie*, and then the tie is the answer.
+#
+# It is the smallest number that counts, not a large share. Even 0 frames ahead explains more than 90 % of every joint:
+# whatever moves slowly is like itself a moment ago.
+#
+# ## Which column?
+#
+# Does each number of the action drive the joint of the same name? Hold each one against all six.
+
+# %%
+for k, name in enumerate(names):
+    row = [hold(action[:, k], state[:, j], 2)[0] for j in range(6)]
+    print(f"{name:18}", *(f"{share:.3f}" for share in row))
+
+# %% [markdown]
+# The largest number of each line stands where it should, and yet: `wrist_roll.pos` explains 0.995 of what
+# `shoulder_pan.pos` is told. It does not obey it. Whoever drove this arm turned the wrist along with the shoulder, so
+# that the gripper kept its direction. Looking at shares, you shrug: 0.999 or 0.995? Look at what is left: 0.001 or
+# 0.005. The wrong column leaves several times as much.
+#
+# ### Practice: upside down (about 2 min)
+#
+# **Bug hunt.** This function says which column one number of the action drives. For most arms it is right. Then
+# somebody mounts a motor the other way round, and it is wrong. Mend it.
+
+
+# %% tags=["exercise", "driven-column"]
+def driven_column(action, state):
+    likeness = [np.corrcoef(action, column)[0, 1] for column in state.T]
+    return np.argmax(likeness)
+
+
+practice.check_driven_column(driven_column)
+
+# %% [markdown]
+# <details><summary>Hint</summary>
+#
+# The joint follows to the last tenth of a degree, and counts down where the command counts up. What is the correlation
+# of the two?
+#
+# </details>
+# <details><summary>Solution</summary>
+#
+# ```python
+# def driven_column(action, state):
+#     likeness = [np.corrcoef(action, column)[0, 1] for column in state.T]
+#     return np.argmax(np.abs(likeness))
+# ```
+#
+# </details>
+#
+# ### Practice: how close? (about 2 min)
+#
+# **Complete the line.** A share has no unit, and you want one: *within two degrees*. The function lays the line, and
+# should return the distance that 99 of 100 frames keep from it. Put the distances in place of the three dots.
+
+
+# %% tags=["exercise", "within"]
+def within(asked, seen):
+    slope, offset = np.polyfit(seen, asked, 1)
+    off = ...
+    return None if off is ... else np.quantile(off, 0.99)
+
+
+practice.check_within(within)
+
+# %% [markdown]
+# <details><summary>Hint</summary>
+#
+# Where `seen` was seen, the line says `slope * seen + offset`.
+#
+# </details>
+# <details><summary>Solution</summary>
+#
+# ```python
+# def within(asked, seen):
+#     slope, offset = np.polyfit(seen, asked, 1)
+#     off = np.abs(asked - (slope * seen + offset))
+#     return np.quantile(off, 0.99)
+# ```
+#
+# </details>
+#
+# ## Now the package
+#
+# You know how it is done, so let it be done. `z2r` takes all episodes, all columns and up to 15 frames. What it finds
+# must hold in both halves of the data, and be better than chance.
+
+# %%
+for robot in ("standin", "arm"):
+    for answer in z2r.infer_action(robot):
+        print(answer)
+
+# %% [markdown]
+# Nobody told it anything. In a terminal, `z2r inspect my_dataset` prints the same about yours.
+#
+# This picture shows the fit for one joint, farther ahead than you looked. The curve of the target has a round top: that
+# is the tie.
+
+# %%
+figures.action_fits(z2r.load("arm"), 1)
+
+# %% [markdown]
+# One line stands out: the gripper is *within 10.6*, where joints keep within a few degrees. Is it broken? Look at what
+# it was told, and what it did.
+
+# %%
+figures.commands_and_joints(z2r.load("arm"), 0, "elbow_flex.pos", "gripper.pos")
+
+# %% [markdown]
+# It was told to close, and stopped on the cube. A gripper that holds something is not where it was told to be, and that
+# gap *is* the grip. Throw it away, and your policy will touch cubes and lift none.
+#
+# ## When the data cannot say
+#
+# Data can also be silent. Here are all frames of the arm, and four ways to spoil its wrist. Each becomes a robot that
+# somebody has.
+
+# %%
+dataset = z2r.load("arm")
+action = dataset.read("action").astype(float)
+state = dataset.read("observation.state").astype(float)
+number = np.repeat(np.arange(13), dataset.episodes.lengths)
+
+
+def ask(action, state):
+    sample = ActionSample(action, state, number, names, names, fps=30)
+    print(infer_action(sample)[4])
+
+
+# %% [markdown]
+# **It is never told anything**, so the action is one number, for ever:
+
+# %%
+told = action.copy()
+told[:, 4] = 90
+ask(told, state)
+
+# %% [markdown]
+# **It hardly moves**, so there is nothing to see but the noise of a sensor:
+
+# %%
+noise = np.random.default_rng(0).normal(90, 0.05, (2, len(state)))
+still, told = state.copy(), action.copy()
+told[:, 4], still[:, 4] = noise
+ask(told, still)
+
+# %% [markdown]
+# **It is slow**, and follows 20 frames later, beyond the window:
+
+# %%
+ask(np.roll(action, -18, axis=0), state)
+
+# %% [markdown]
+# **It is a copy.** Nobody recorded the commands, so somebody took the state of the next frame for them:
+
+# %%
+ask(np.roll(state, -1, axis=0), state)
+
+# %% [markdown]
+# The first three are honest shrugs. A poorer tool would have named the best of many bad fits. The last is an answer,
+# and a warning. It fits perfectly, because it was never a command. What an arm is told to overcome, its own weight or a
+# cube between its fingers, is not in it.
+#
+# ## You can now
+#
+# - **tell** a target from a change: hold the action against both, some frames ahead, and take what leaves least;
+# - **name** the unit by the slope, 1 or 57.3 or 10 for 1, and the column by what the others leave;
+# - **measure** the delay, and call a tie a tie;
+# - **notice** a constant, a still joint, a slow one and a copy, and say *cannot be decided*.
+#
+# Next: you know what the numbers mean. Or you believe that you do. [How do I know that I read it
+# right?](07_break_modes.ipynb)
