@@ -6,8 +6,8 @@ from itertools import pairwise, permutations
 
 import numpy as np
 import pytest
-from notebook_tools import code_cells, committed, shown
-from PIL import Image
+from notebook_tools import ROOT, code_cells, committed, shown
+from PIL import Image, ImageSequence
 from test_package import loaded_by
 
 import z2r
@@ -117,6 +117,19 @@ def test_a_film_moves_until_the_end_and_is_small():
     left, right = ([each[:, part] for each in pictures] for part in (slice(0, middle), slice(middle, None)))
     assert all((one != other).any() for one, other in pairwise(right[1:]))
     assert (left[1] != left[-1]).any()
+
+
+def test_the_readme_opens_with_what_was_measured():
+    """To write the picture anew, write the bytes of this film."""
+    made = rollouts.film({title: read_rollout(row) for title, row in rollouts.WALL.items()}, seconds=11)
+    pictures = [Image.open(file) for file in (io.BytesIO(made), ROOT / ".github/cost.png")]
+    new, shipped = ([np.asarray(each.convert("RGB"), int) for each in ImageSequence.Iterator(film)] for film in pictures)
+    assert len(new) == len(shipped)
+    assert all(np.abs(one - other).mean() < 1 for one, other in zip(new, shipped, strict=True))
+    [opening] = re.findall(r"while\nthe policy learned: (.*?)\n\n", (ROOT / "README.md").read_text(), re.DOTALL)
+    costs_of_all = [costs.cost_of(row) for row in rollouts.WALL.values()]
+    expected = [number for cost in costs_of_all for number in (cost.n_successes, cost.n_rollouts)]
+    assert [int(number) for number in re.findall(r"\d+", re.sub("`.*?`", "", opening))] == expected
 
 
 def test_paths_begin_and_end_where_the_rollout_did():

@@ -24,6 +24,14 @@ from z2r.reading.decode import Decoded, decode
 type Rollouts = Mapping[str, Rollout]
 """By what they are called on the page."""
 
+WALL = {
+    "read right": "right",
+    "actions half a second late": "late-5",
+    "x and y exchanged": "exchanged",
+    "yaw read as atan2(cos, sin)": "yaw-swap-in-training",
+}
+"""What the README opens with: rows of the table, by what was read wrong. Its film is `.github/cost.png`."""
+
 _COLUMNS = 3
 _STEP = 2  # frames of a rollout from one picture of the film to the next
 _COLORS = 31  # of the film: its surfaces are plain. One more is transparent.
