@@ -77,8 +77,8 @@ def episode(name, number=0):
 # %%
 for name in ("standin", "arm"):
     action, state = episode(name)
-    print(f"{name:8} action", *(f"{number:7.3f}" for number in action[60:65, 0]))
-    print(f"{'':8} state ", *(f"{number:7.3f}" for number in state[60:65, 0]))
+    print(f"{name:8} action", *(f"{each:7.3f}" for each in action[60:65, 0]))
+    print(f"{'':8} state ", *(f"{each:7.3f}" for each in state[60:65, 0]))
 
 # %% [markdown]
 # Of the arm, the two lines are nearly the same. Of the pusher, they have nothing in common. That is a hint, and a hint
@@ -112,9 +112,9 @@ def compare(action, state):
     change = np.diff(state, prepend=state[0])
     for ahead in range(5):
         share, slope = hold(action, state, ahead)
-        print(f"{ahead} ahead: target {share:.4f}, slope {slope:5.2f}", end="  ")
+        print(f"{ahead} ahead: target {share:.4f}, slope {slope:5.2f}", end="")
         share, slope = hold(action, change, ahead)
-        print(f"  change {share:.4f}, slope {slope:5.2f}")
+        print(f"    change {share:.4f}, slope {slope:5.2f}")
 
 
 # %%

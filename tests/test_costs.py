@@ -141,12 +141,7 @@ def test_every_number_in_the_prose_is_one_that_a_cell_has():
         cell.source for cell in page.cells if cell.cell_type == "markdown" and "badge" not in str(cell.metadata)
     )
     said = set(numbers(re.sub(r"\]\(.*?\)|`.*?`", "", prose)))
-    assert said - there <= {
-        "35",
-        "95",
-        "0.2",
-        "2,000",
-    }  # minutes, of every 100 intervals, s of two frames, as in row names
+    assert said - there <= {"95", "0.2", "2,000"}  # of every 100 intervals, s of two frames, as in row names
 
 
 def numbers(text):

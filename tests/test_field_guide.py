@@ -4,11 +4,12 @@ import shutil
 from pathlib import Path
 
 import pytest
+from notebook_tools import code_cells, committed, shown
 
 import z2r
 from z2r.course import figures
 from z2r.course.damage import split, turn_half
-from z2r.course.field_guide import Change, what_changes
+from z2r.course.field_guide import KINDS, Change, guide, what_changes
 from z2r.reading.breaks import BREAK_MODES
 
 DORMANT_IN_ONE_FILE = {"no-wrap", "first-shard-only", "stale-file-pointer", "name-sorted-files"}
@@ -111,17 +112,22 @@ def test_the_figure_has_a_row_for_each_and_marks_what_changes(changes):
         figures.what_changes([])
 
 
-def test_action_and_motion_are_drawn_frame_by_frame():
-    figure = figures.action_and_motion([0.1, 0.2, 0.3], [0.1, 0.2], 10)
-    action, motion = (line.get_xydata() for line in figure.axes[0].lines)
-    assert action[:, 0].tolist() == [0.0, 0.1, 0.2]
-    assert motion[:, 1].tolist() == [0.1, 0.2]
-    with pytest.raises(ValueError, match="one less"):
-        figures.action_and_motion([0.1, 0.2], [0.1, 0.2], 10)
+def test_every_break_mode_is_of_one_kind():
+    assert sorted(name for names in KINDS.values() for name in names) == sorted(BREAK_MODES)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_guide_has_a_row_for_each_of_its_kind_and_is_on_the_page(kind):
+    _, _, *rows = guide(kind).splitlines()
+    for row, name in zip(rows, KINDS[kind], strict=True):
+        mode = BREAK_MODES[name]
+        assert f"| `{name}` | {mode.assumption} | {mode.signature} |" in row
+        assert (f"[met]({mode.seen_in})" in row) == bool(mode.seen_in)
+        assert row.count("|") == 5  # a bar in the text would make a column
+    pages = [shown(cell) for cell in code_cells(committed("09_field_guide"))]
+    assert [("text/markdown", guide(kind)), ("text/plain", repr(guide(kind)))] in pages
 
 
 @pytest.mark.parametrize("mode", [mode for mode in BREAK_MODES.values() if mode.seen_in])
-def test_a_case_is_an_address_that_the_course_links_to(mode):
-    pages = Path(z2r.__file__).parents[1] / "notebooks"
-    assert f"({mode.seen_in})" in (pages / "09_field_guide.py").read_text()
+def test_a_case_is_an_address(mode):
     assert mode.seen_in.startswith("https://github.com/")

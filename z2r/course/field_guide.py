@@ -19,6 +19,26 @@ from z2r.reading.reading import Reading
 
 _DIGITS = 6  # of an error: what float32 leaves behind is no change
 
+KINDS: dict[str, tuple[str, ...]] = {
+    "what the numbers mean": (
+        "yaw-swap",
+        "yaw-swap-everywhere",
+        "no-wrap",
+        "wrong-reference-point",
+        "degrees-for-radians",
+        "first-frame-for-last",
+        "wrong-angle-unit",
+        "joints-exchanged",
+        "quaternion-order",
+        "delta-for-absolute",
+        "gripper-inverted",
+    ),
+    "the index": ("drop-boundaries", "inclusive-end", "first-shard-only", "stale-file-pointer"),
+    "the files": ("name-sorted-files",),
+    "time": ("wrong-fps", "action-lag"),
+}
+"""What a break mode is about, and which are about it."""
+
 
 @dataclass(frozen=True)
 class Change:
@@ -168,3 +188,33 @@ def _share_that_differs(places: Ints, values: Floats, other_places: Ints, other_
 
 def _largest(change: Floats) -> float:
     return round(float(np.abs(change).max()), _DIGITS)
+
+
+class Guide(str):
+    """A table in Markdown, which a notebook renders."""
+
+    def __repr__(self) -> str:
+        return str(self)
+
+    def _repr_markdown_(self) -> str:
+        return str(self)
+
+
+def guide(kind: str) -> Guide:
+    """Return the page of the field guide about one kind of mistake: what is believed, what it leaves, who met it.
+
+    Parameters
+    ----------
+    kind : str
+        One of `KINDS`.
+
+    Examples
+    --------
+    >>> print(guide("the files").splitlines()[0])
+    | break mode | what is believed | what it leaves behind | |
+    """
+    lines = ["| break mode | what is believed | what it leaves behind | |", "| --- | --- | --- | --- |"]
+    for mode in (BREAK_MODES[name] for name in KINDS[kind]):
+        met = f"[met]({mode.seen_in})" if mode.seen_in else ""
+        lines.append(f"| `{mode.name}` | {mode.assumption} | {mode.signature} | {met} |")
+    return Guide("\n".join(lines))

@@ -247,6 +247,7 @@ def seen_from_block(right: Decoded, wrong: Decoded) -> Figure:
         axes.set_title(what, color=color)
         (left, bottom), (right_end, top) = outline.min(axis=0) - _NEAR, outline.max(axis=0) + _NEAR
         axes.set(aspect="equal", xlabel="across the block [m]", xlim=(left, right_end), ylim=(bottom, top))
+        axes.xaxis.set_major_locator(MaxNLocator(4))
     panels[0].set_ylabel("along the block [m]")
     return figure
 
@@ -443,36 +444,6 @@ def two_poses(
     distance = np.hypot(got[0] - expected[0], got[1] - expected[1])
     turn = np.rad2deg(wrap_angle(got[2] - expected[2]))
     axes.set_title(f"{label}: {distance:.3f} m away and turned by {turn:+.1f}°")
-    return figure
-
-
-@drawing.in_style
-def action_and_motion(action: Floats, velocity: Floats, fps: float) -> Figure:
-    """Draw what was asked of the pusher and what it did, along one axis.
-
-    Parameters
-    ----------
-    action : ndarray, float64[n_frames]
-        The velocity that the action of each frame asks for [m/s], at least two frames.
-    velocity : ndarray, float64[n_frames - 1]
-        How fast the pusher went from each frame to the next [m/s].
-    fps : float
-        Frames a second.
-
-    Raises
-    ------
-    ValueError
-        If there are fewer than two frames, or not one velocity less than actions.
-    """
-    if len(action) < 2 or len(velocity) != len(action) - 1:
-        raise ValueError(f"found {len(action)} actions and {len(velocity)} velocities, expected 2 or more and one less")
-    figure = drawing.new_figure(8, 2.9)
-    axes = figure.subplots()
-    time = np.arange(len(action)) / fps
-    axes.plot(time, action, "o", color=drawing.BLUE, markersize=7, fillstyle="none", gid="action")
-    axes.plot(time[:-1], velocity, "x-", color=drawing.VERMILLION, markersize=6, linewidth=1, gid="motion")
-    axes.set(xlabel="time of the frame [s]", ylabel="velocity [m/s]")
-    axes.set_title("ring: what the action of a frame asks, cross: what the pusher then does")
     return figure
 
 
