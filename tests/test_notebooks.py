@@ -334,3 +334,29 @@ def test_the_colophon_lists_what_the_page_shows(stem):
         for file, first, last, sha256 in rows:
             lines = (ROOT / file).read_text().splitlines(keepends=True)[int(first) - 1 : int(last)]
             assert hashlib.sha256("".join(lines).encode()).hexdigest() == sha256
+
+
+# Numbers that no cell has: what somebody else reported, a version, a unit in another, a difference of two.
+ELSEWHERE = {
+    "06_what_is_an_action": {"10", "57.3", "1000", "0.1", "99.5", "99.9"},
+    "07_break_modes": {"57"},
+    "08_your_dataset": {"17"},
+    "09_field_guide": {"0.6.1", "13", "6"},
+    "10_cost_of_a_misreading": {"95", "0.2", "2,000"},
+}
+
+
+@pytest.mark.parametrize("stem", ELSEWHERE)
+def test_a_number_in_the_prose_is_one_that_a_cell_has(stem):
+    cells = code_cells(committed(stem))
+    there = set(numbers("\n".join([*(cell.source for cell in cells), *(str(shown(cell)) for cell in cells)])))
+    own = (c for c in committed(stem).cells if c.cell_type == "markdown" and not MADE & cell_tags(c))
+    prose = re.sub(
+        r"<details>.*?</details>|```.*?```|\]\(.*?\)|`.*?`", "", "\n".join(c.source for c in own), flags=re.S
+    )
+    prose = re.sub(r" \(about \d+ min\)$|^\d+\. ", "", prose, flags=re.MULTILINE)
+    assert set(numbers(prose)) - there <= ELSEWHERE[stem]
+
+
+def numbers(text: str) -> list[str]:
+    return re.findall(r"(?<![\w.-])\d+(?:[.,]\d+)*", text)
