@@ -187,15 +187,16 @@ moved = np.diff([1000 * row["observation.state"][x] for row in rows])
 print("         action   until the next   since the last")
 for number in range(3, 8):
     asked = 1000 * rows[number]["action"][0] / info["fps"]
-    print(f"frame {number}: {asked:7.1f}{moved[number]:17.1f}{moved[number - 1]:17.1f}")
+    until_next, since_last = moved[number], moved[number - 1]
+    print(f"frame {number}: {asked:7.1f}{until_next:17.1f}{since_last:17.1f}")
 
 # %% [markdown]
 # The action fits the move until the next frame. Against the move since the last it is far off: in frame 4 it asks for
 # -1.9 mm, and the pusher had just moved by 22.1. **A frame is what the robot saw before a step, and the action that it
 # then took.** What the last action of an episode did is stored nowhere, since no frame follows.
 #
-# The arm's action is no velocity. It has the names of the six joints, and asks for a place. How to find out what an
-# action is, of any robot, is [notebook 06](06_what_is_an_action.ipynb).
+# The arm's action is no velocity. It has the names of the six joints, and asks each for a position. How to find out
+# what an action is, of any robot, is [notebook 06](06_what_is_an_action.ipynb).
 #
 # ## Five columns for bookkeeping
 #
@@ -222,8 +223,9 @@ for row in pq.ParquetFile(z2r.ARM / "meta/tasks.parquet").read().to_pylist():
 # Did a demonstration succeed? Ask both schemas.
 
 # %%
+features = [*info["features"], *arm_info["features"]]
 for word in ("success", "reward", "done"):
-    found = [name for name in {**info["features"], **arm_info["features"]} if word in name]
+    found = [name for name in features if word in name]
     print(f"{word}: {found or 'nothing'}")
 
 # %% [markdown]
@@ -242,14 +244,15 @@ if importlib.util.find_spec("lerobot"):
     from lerobot.datasets.lerobot_dataset import LeRobotDataset
 
     other = LeRobotDataset("z2r/arm", root=z2r.ARM, video_backend="pyav")
-    print("the same frames:", other.num_frames == arm.schema.total_frames)
-    print("the same features:", list(other.features) == list(arm.schema.features))
-    print("shape of a picture:", tuple(other[0]["observation.images.front"].shape))
+    picture = other[0]["observation.images.front"]
+    print("frames:  ", other.num_frames == arm.schema.total_frames)
+    print("features:", [*other.features] == [*arm.schema.features])
+    print("shape of a picture:", tuple(picture.shape))
 else:
     print("LeRobot is not installed here")
 
 # %% [markdown]
-# It agrees. Only its pictures have another shape: the three colours come first.
+# It agrees with us. Only its pictures have another shape: the three colours come first.
 #
 # ## Names, not column numbers
 #

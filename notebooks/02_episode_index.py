@@ -172,8 +172,9 @@ print(*messy.episodes.lengths)
 figures.episode_ribbon(messy.episodes)
 
 # %% [markdown]
-# Four have exactly 120 frames, and none has more: a time limit. Four have fewer than 20, less than two seconds. Did
-# somebody press a key too early? Look at where the block was when they began, and by how much it had to turn.
+# Four have exactly 120 frames, and none has more, which looks like a time limit. Four have fewer than 20: less than
+# two seconds. Did somebody press a key too early? Look at where the block was when they began, and by how much it had
+# to turn.
 
 # %%
 short = np.flatnonzero(messy.episodes.lengths < 20)

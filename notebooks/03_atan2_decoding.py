@@ -23,7 +23,7 @@
 # # Which way is the block pointing?
 #
 # There is a tutorial in which you build a compass out of a small computer. In its first version north was up. In its
-# second, north was to the right, and the needle [turned the wrong
+# second, north was to the right, and the compass [turned the wrong
 # way](https://github.com/rust-embedded/discovery/pull/444). The code looked fine. It gave two arguments to one
 # function in the wrong order.
 #
@@ -74,8 +74,8 @@ sines, cosines = state[dataset.episodes[0]][:, columns].T
 print(f"first frame: sin {sines[0]:+.3f}   cos {cosines[0]:+.3f}")
 
 # %% [markdown]
-# Because an angle jumps. A block at 179° and one at -179° point almost the same way: 2° more, and the first is past
-# 180°, where the second is. As numbers they are as far apart as can be.
+# Why not the angle itself? Because it jumps. A block at 179° and one at -179° point almost the same way: 2° more, and
+# the first is past 180°, where the second is. As numbers they are as far apart as can be.
 
 # %%
 print("apart, as numbers:", 179 - -179)
@@ -90,7 +90,8 @@ for degrees in (179, -179):
 # %%
 two = np.deg2rad([179, -179])
 print("mean of the angles:", np.rad2deg(two.mean()))
-print(f"mean of sin and cos: {np.sin(two).mean():.3f}, {np.cos(two).mean():.3f}")
+mean_sin, mean_cos = np.sin(two).mean(), np.cos(two).mean()
+print(f"mean of sin and cos: {mean_sin:.3f}, {mean_cos:.3f}")
 
 # %% [markdown]
 # The mean of the angles points the other way. The mean of the points on the circle is right between the two, at 180°.
@@ -156,7 +157,7 @@ print("wrapped:   ", *((np.diff(yaws) + 180) % 360 - 180).round(1))
 
 # %% [markdown]
 # No block turns by -350° in a tenth of a second. It turned by 10° and passed the jump. *Wrap* the difference: shift
-# by half a turn, take the remainder, shift back. `z2r.wrap_angle` does it in radians.
+# it by half a turn, take the remainder, shift it back. `z2r.wrap_angle` does it in radians.
 #
 # **Bug hunt.** How far apart are two yaws, in radians, from 0 to pi? From 10° to 40° the function is right. From 179°
 # to -179° it is wrong, though it does wrap.
@@ -200,9 +201,12 @@ for name, values in zip(joint_names, joints.T, strict=True):
     print(f"{name:18}{values.min():7.1f} to {values.max():6.1f}")
 
 # %% [markdown]
-# None of them can be radians. Five are degrees. The gripper is no angle at all: it is in percent of its range, and 0
-# is closed. Beware the other way round: an elbow in radians stays between -0.8 and 1.1 here, and a joint in degrees
-# that hardly moves looks just like it. [Your dataset](08_your_dataset.ipynb) may hold one.
+# None of them can be radians. LeRobot also knows joints in percent of their range, from -100 to 100, but `wrist_roll`
+# goes beyond. That leaves degrees. The gripper is no angle at all: it is in percent, and 0 is closed. So says whoever
+# recorded it. The dataset does not.
+#
+# The other way round is harder: an elbow in radians looks just like a joint in degrees that hardly moves. [Your
+# dataset](08_your_dataset.ipynb) may hold one.
 #
 # Here is the elbow where it bends most, in the four ways that you will meet.
 
@@ -220,7 +224,7 @@ print(f"quaternion xyzw 0 0 {math.sin(half):.3f} {math.cos(half):.3f}")
 # **half** the angle, and w the cosine of half of it. Half, because it is applied twice, once from each side. Its
 # order is a trap: some write x, y, z, w and others w, x, y, z. [A large
 # dataset](https://github.com/facebookresearch/projectaria_tools/issues/7) had w in the column named `qx`. Its own
-# reader made the opposite mistake, so nobody there noticed.
+# reader had the order wrong as well, and so came out right.
 #
 # **Bug hunt.** Somebody's film shows the block turning twice as fast as it should. This function made the
 # quaternions.
@@ -270,8 +274,7 @@ for degrees in (0, 30, 45, 60, 90):
 figures.yaw_circle(sin_yaw=0.5, cos_yaw=0.866)
 
 # %% [markdown]
-# A mirror reverses every turn as well, as a clock runs backwards in it. Add up all the small turns of the block in
-# episode 1.
+# In a mirror a clock runs backwards. So does the block of episode 1. Add up all its small turns.
 
 # %%
 pair = state[dataset.episodes[1]][:, columns].T

@@ -181,7 +181,7 @@ def test_the_extras_are_made_of_one_another():
     assert requirements("all") == requirements("view", "video", "remote")
     assert requirements("record") == requirements("sim") | {"lerobot"}
     assert requirements("train") == requirements("record") | {"torch"}
-    assert requirements("notebook") == requirements("view", "sim", "video")
+    assert requirements("notebook") == requirements("view", "video", "sim")
     assert requirements("course") == requirements("notebook") | {"jupyterlab", "jupytext", "nbclient"}
 
 
