@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 from PIL.PngImagePlugin import Blend
 
-_COLORS = 31  # surfaces are plain. One more is transparent.
+_COLORS = 63  # surfaces are plain. One more is transparent.
 _HOLD = 2000  # ms: the last picture stays before it begins again
 
 

@@ -7,6 +7,7 @@ the place of the still.
 """
 
 import base64
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -62,7 +63,8 @@ def make(name: str, title: str, says: str, data: object, still: bytes) -> Moving
     still : bytes
         A PNG.
     """
-    script = "".join((_FOLDER / f"{each}.js").read_text(encoding="utf-8") for each in ("moving", name))
+    modules = ((_FOLDER / f"{each}.js").read_text(encoding="utf-8") for each in ("moving", name))
+    script = re.sub(r"^(import [^;]*;\n|export )", "", "".join(modules), flags=re.MULTILINE)
     page = fill(f"{name}.html", _FOLDER, title=title, says=says, script=script, data=data)
     return MovingPicture(title, page, still)
 

@@ -17,7 +17,7 @@ from z2r.reading.decode import Decoded, decode
 from z2r.reading.success import FrameErrors, episode_reached, frame_errors
 
 _MOVES = 0.001  # m from one frame to the next: less is at rest
-_RESTS = "The block rests while the pusher walks around it."
+_WALKS = "The block rests while the pusher walks around it."
 _SAYS = "Play it, move through it, or go to a part of the story."
 _STEP = 2  # frames from one picture of the still to the next
 
@@ -68,20 +68,20 @@ def story(dataset: Dataset | str | os.PathLike[str] = "standin", episode: int = 
         ],
         "parts": parts,
     }
-    return make("pushes", title, _SAYS, data, _still(decoded, parts, title, dataset.schema.fps))
+    return make("pushes", title, _SAYS, data, _still(decoded, errors, parts, title, dataset.schema.fps))
 
 
 def _parts(decoded: Decoded, errors: FrameErrors) -> list[Part]:
     """Cut an episode into pushes and what is between them, and say what each did."""
     steps = np.hypot(*np.diff(drawing.place(decoded.pose("tee")), axis=0).T)
     edges = np.flatnonzero(np.diff(np.concatenate([[False], steps > _MOVES, [False]]).astype(int))).tolist()
-    pushes, end = edges[::2], len(decoded) - 1
+    pushes, cuts = edges[::2], sorted({0, *edges})
     parts = []
-    for start, stop in pairwise(sorted({0, *edges, end})):
-        what = f"Push {pushes.index(start) + 1}" if start in pushes else "Rest"
-        parts.append(Part(start, stop, what, _did(errors, start, stop) if start in pushes else _RESTS))
+    for start, stop in pairwise(cuts):
+        what = f"Push {pushes.index(start) + 1}" if start in pushes else "Walk"
+        parts.append(Part(start, stop, what, _did(errors, start, stop) if start in pushes else _WALKS))
     reached = "within both limits: reached" if episode_reached(decoded) else "not within both limits: not reached"
-    return [*parts, Part(end, end + 1, "End", f"The last stored frame is {reached}.")]
+    return [*parts, Part(cuts[-1], len(decoded), "End", f"The last stored frame is {reached}.")]
 
 
 def _did(errors: FrameErrors, start: int, stop: int) -> str:
@@ -93,21 +93,31 @@ def _did(errors: FrameErrors, start: int, stop: int) -> str:
 
 
 @drawing.in_style
-def _still(decoded: Decoded, parts: list[Part], title: str, fps: float) -> bytes:
-    figure = new_still(title, 4.6)
-    axes = figure.subplots()
+def _still(decoded: Decoded, errors: FrameErrors, parts: list[Part], title: str, fps: float) -> bytes:
+    figure = new_still(title, 3.9)
+    grid = figure.add_gridspec(len(PUSHT.goal), 2)
+    scene = figure.add_subplot(grid[:, 0])
     x, y, width = square_around(decoded)
-    axes.set(aspect="equal", xlim=(x, x + width), ylim=(y, y + width), xticks=[], yticks=[])
-    drawing.draw_goal(axes, BODIES["target"], decoded.pose("target"))
-    move_bodies, caption = drawing.put_bodies(axes, decoded), figure.text(0.5, 0.02, " ", ha="center")
-    path = drawing.place(decoded.pose("pusher"))
-    [line] = axes.plot([], [], color=drawing.PUSHER, linewidth=1)
+    scene.set(aspect="equal", xlim=(x, x + width), ylim=(y, y + width), xticks=[], yticks=[])
+    drawing.draw_goal(scene, BODIES["target"], decoded.pose("target"))
+    move_bodies, caption = drawing.put_bodies(scene, decoded), figure.supxlabel(" ", size=11)
+    path, seconds = drawing.place(decoded.pose("pusher")), np.arange(len(decoded)) / fps
+    [line] = scene.plot([], [], color=drawing.PUSHER, linewidth=1)
+    cursors = []
+    for row, goal in enumerate(PUSHT.goal):
+        axes = figure.add_subplot(grid[row, 1])
+        axes.axhspan(0, goal.within or 0, color=drawing.GREEN, alpha=0.2, linewidth=0)
+        axes.plot(seconds, errors[goal.name], color=drawing.BLUE)
+        axes.set(ylabel=f"{goal.name} [{PUSHT.unit(goal)}]", ylim=(0, None), xlim=(0, seconds[-1]))
+        cursors.append(axes.axvline(0, color=drawing.INK, linewidth=1))
 
     def move(frame: int) -> list[Artist]:
         part = next(part for part in parts if part.start <= frame < part.stop)
         caption.set_text(f"{part.what}. {part.says}")
         line.set_data(*path[: frame + 1].T)
-        return [line, *move_bodies(frame), caption, axes.set_title(f"{frame / fps:.1f} s", size=11)]
+        for cursor in cursors:
+            cursor.set_xdata([frame / fps])
+        return [line, *move_bodies(frame), *cursors, caption, scene.set_title(f"{frame / fps:.1f} s", size=11)]
 
     frames = sorted({*range(0, len(decoded), _STEP), len(decoded) - 1})
     return animated.film(figure, move, frames, round(1000 * _STEP / fps))

@@ -1,15 +1,15 @@
 """How good is good enough? The last frame of every episode as a dot, and the box of the two tolerances, to drag."""
 
 import os
-from collections.abc import Sequence
 from math import floor, log10
+from typing import NamedTuple
 
-import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.patches import Rectangle
+from msgspec.structs import replace
 
 from z2r.api import choose_reading, inspect_dataset, load
-from z2r.arrays import Floats
+from z2r.arrays import Bools, Floats
 from z2r.course import animated, drawing
 from z2r.course.moving.picture import MovingPicture, make, new_still
 from z2r.format.dataset import Dataset
@@ -44,44 +44,59 @@ def tolerance_box(dataset: Dataset | str | os.PathLike[str] = "messy") -> Moving
     """
     dataset = dataset if isinstance(dataset, Dataset) else load(dataset)
     reading, outcome = choose_reading(dataset.schema), inspect_dataset(dataset).outcome
-    limits = {goal.name: goal.within for goal in reading.goal if goal.within} if reading else {}
-    if reading is None or outcome is None or len(limits) != 2:
-        raise ValueError(f"found {len(limits)} goals with a limit `within`, expected a dataset whose reading has two")
-    errors = [outcome.final_errors[name] for name in limits]
-    units = [reading.unit(goal) for goal in reading.goal if goal.within]
+    goals = [goal for goal in reading.goal if goal.within] if reading else []
+    if reading is None or outcome is None or len(goals) != 2:
+        raise ValueError(f"found {len(goals)} goals with a limit `within`, expected a dataset whose reading has two")
+    sides = [_Side(goal, reading.unit(goal), goal.within or 0.0, outcome.final_errors[goal.name]) for goal in goals]
     title = f"How good is good enough? Read as usual, {outcome.tally} reached"
-    data = [
-        {"name": name, "unit": unit, "limit": limit, "step": _step(limit), "most": _WIDEST * limit, "errors": own.tolist()}
-        for (name, limit), unit, own in zip(limits.items(), units, errors, strict=True)
-    ]
-    return make("tolerance", title, _SAYS, {"sides": data}, _still(title, limits, units, np.stack(errors)))
+    return make("tolerance", title, _SAYS, {"sides": [side.data for side in sides]}, _still(title, *sides))
 
 
-def _step(limit: float) -> float:
-    """Return a tenth of the digit that comes first: 0.001 for 0.03."""
-    return float(10.0 ** (floor(log10(limit)) - 1))
+class _Side(NamedTuple):
+    """A goal, the unit and the limit of its number, and that number in the last frames."""
+
+    goal: Goal
+    unit: str
+    limit: float
+    errors: Floats
+
+    @property
+    def data(self) -> dict[str, object]:
+        """What the script is given; the errors stay as they are, since they are compared."""
+        return {
+            "name": self.goal.name,
+            "unit": self.unit,
+            "limit": self.limit,
+            "most": _WIDEST * self.limit,
+            "step": 10.0 ** (floor(log10(self.limit)) - 1),  # 0.001 for 0.03
+            "errors": self.errors.tolist(),
+        }
+
+    def inside(self, limit: float) -> Bools:
+        """Tell which are within another limit."""
+        return replace(self.goal, within=limit).holds(self.errors)
 
 
 @drawing.in_style
-def _still(title: str, limits: dict[str, float], units: Sequence[str], errors: Floats) -> bytes:
+def _still(title: str, across: _Side, up: _Side) -> bytes:
     """Let the first limit grow, and count."""
     figure = new_still(title, 3.8)
     axes = figure.subplots()
-    (x, width), (y, height) = limits.items()
-    axes.set(xlabel=f"{x} [{units[0]}]", ylabel=f"{y} [{units[1]}]")
-    axes.set(xlim=(0, 1.08 * max(errors[0].max(), _WIDEST * width)), ylim=(0, 1.08 * max(errors[1].max(), height)))
-    box = axes.add_patch(Rectangle((0, 0), width, height, facecolor=(drawing.GREEN, 0.15), edgecolor=drawing.GREEN))
+    axes.set(xlabel=f"{across.goal.name} [{across.unit}]", ylabel=f"{up.goal.name} [{up.unit}]")
+    for set_limits, side in ((axes.set_xlim, across), (axes.set_ylim, up)):
+        set_limits(0, 1.08 * max(side.errors.max(), _WIDEST * side.limit))
+    box = Rectangle((0, 0), 0, up.limit, facecolor=(drawing.GREEN, 0.15), edgecolor=drawing.GREEN)
+    axes.add_patch(box)
     [dots] = axes.plot([], [], "o", color=drawing.RIGHT, markersize=8)
     [crosses] = axes.plot([], [], "X", color=drawing.WRONG, markersize=9)
-    goals = [Goal(name=name, value=name, within=limit) for name, limit in limits.items()]
 
     def move(picture: int) -> list[Artist]:
-        limit = width * (1 + (_GROWS - 1) * picture / (_PICTURES - 1))
+        limit = across.limit * (1 + (_GROWS - 1) * picture / (_PICTURES - 1))
         box.set_width(limit)
-        inside = Goal(name=x, value=x, within=limit).holds(errors[0]) & goals[1].holds(errors[1])
-        dots.set_data(*errors[:, inside])
-        crosses.set_data(*errors[:, ~inside])
-        said = f"{x} < {limit:.3f} {units[0]}, {y} < {height:g} {units[1]}: {inside.sum()} of {len(inside)}"
-        return [box, dots, crosses, axes.set_title(said, size=11)]
+        inside = across.inside(limit) & up.inside(up.limit)
+        dots.set_data(across.errors[inside], up.errors[inside])
+        crosses.set_data(across.errors[~inside], up.errors[~inside])
+        said = f"{across.goal.name} < {limit:.3f} {across.unit}, {up.goal.says(up.unit)}"
+        return [box, dots, crosses, axes.set_title(f"{said}: {inside.sum()} of {len(inside)}", size=11)]
 
     return animated.film(figure, move, range(_PICTURES), _MILLISECONDS)

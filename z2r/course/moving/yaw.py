@@ -1,4 +1,4 @@
-"""What is a yaw that is stored as two numbers? Turn it, and see the point on the circle and the T, right and swapped."""
+"""What is a yaw that is stored as two numbers? Turn it: the point on the circle, and the T, right and swapped."""
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -13,8 +13,8 @@ from z2r.reading.angles import decode_yaw
 
 _TITLE = "One yaw, two numbers, and what a swap makes of them"
 _SAYS = "Turn the block: move the slider, or drag the point. At which two yaws does the swap change nothing?"
-_STEP = 10  # degrees from one picture of the still to the next
-_MILLISECONDS = 150
+_STEP = 15  # degrees from one picture of the still to the next
+_MILLISECONDS = 200
 _SIZE = 0.13  # m: half the width of the picture of a T
 
 

@@ -8,6 +8,7 @@ from itertools import islice
 
 import numpy as np
 from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 from PIL import Image
@@ -71,7 +72,7 @@ def _around(dataset: Dataset, episode: int, n_frames: int) -> slice:
 
 def _make(dataset: Dataset, episode: int, says: str, data: dict[str, object], still: bytes) -> MovingPicture:
     end = int(dataset.episodes.to_index[episode])
-    return make("seam", _title(episode), says, data | {"end": end, "episode": episode}, still)
+    return make("seams", _title(episode), says, data | {"end": end, "episode": episode}, still)
 
 
 def _title(episode: int) -> str:
@@ -109,10 +110,8 @@ def _still_from_above(decoded: Decoded, steps: Floats, first: int, end: int, epi
     if goal is not None:
         drawing.draw_goal(scene, bodies[goal], decoded.pose(goal))
     move_bodies = drawing.put_bodies(scene, decoded)
-    numbers = first + 1 + np.arange(len(steps))
-    chart.bar(numbers, 100 * steps, color=np.where(numbers == end, drawing.WRONG, drawing.RIGHT).tolist())
-    chart.set(xlabel="frame of the dataset", ylabel="moved since the frame before [cm]")
-    chart.xaxis.set_major_locator(MaxNLocator(integer=True))
+    _draw_steps(chart, 100 * steps, first, end)
+    chart.set_ylabel("moved since the frame before [cm]")
     chart.set_title(f"episode {episode} to frame {end - 1}, episode {episode + 1} from {end}", size=11)
     now = chart.axvline(first, color=drawing.INK, linewidth=1)
 
@@ -139,8 +138,9 @@ def _filmed(dataset: Dataset, episode: int) -> MovingPicture:
         ],
     }
     says = "Scrub across the end, with the slider or along the bars. What happened between the two frames?"
-    end = int(dataset.episodes.to_index[episode]) - frames.start
-    still = _still_of_cameras(pictures[end - 1 : end + 1], _title(episode))
+    end = int(dataset.episodes.to_index[episode])
+    pair = pictures[end - frames.start - 1 :][:2]
+    still = _still_of_cameras(pair, steps, frames.start, end, _title(episode))
     return _make(dataset, episode, says, data, still)
 
 
@@ -175,12 +175,22 @@ def _webp(picture: Image.Image) -> str:
 
 
 @drawing.in_style
-def _still_of_cameras(pair: list[Image.Image], title: str) -> bytes:
-    """Show the last picture of one episode and the first of the next, one below the other."""
-    figure = new_still(title, 2.4 if pair else 0.5)
-    for axes, picture, what in zip(figure.subplots(1, 2), pair, ("the last frame", "the first frame"), strict=False):
+def _still_of_cameras(pair: list[Image.Image], steps: Floats, first: int, end: int, title: str) -> bytes:
+    """Show the last picture of one episode and the first of the next; without them, how far things moved."""
+    figure = new_still(title, 2.4)
+    if not pair:
+        _draw_steps(figure.subplots(), steps, first, end)
+    for number, (picture, what) in enumerate(zip(pair, ("the last", "the first"), strict=False), 1):
+        axes = figure.add_subplot(1, 2, number)
         axes.imshow(np.asarray(picture))
-        axes.set(title=what, xticks=[], yticks=[])
+        axes.set(title=f"frame {end - 2 + number}: {what}", xticks=[], yticks=[])
     made = io.BytesIO()
     figure.savefig(made, format="png")
     return made.getvalue()
+
+
+def _draw_steps(axes: Axes, steps: Floats, first: int, end: int) -> None:
+    numbers = first + 1 + np.arange(len(steps))
+    axes.bar(numbers, steps, color=np.where(numbers == end, drawing.WRONG, drawing.RIGHT).tolist())
+    axes.set(xlabel="frame of the dataset", ylabel="change since the frame before")
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
