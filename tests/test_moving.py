@@ -179,7 +179,7 @@ def test_across_a_seam_the_block_leaps_as_it_does_in_the_data(open_picture):
         page.keyboard.press("ArrowRight")
         expect(page.locator("#which")).to_have_text(which)
         moved = np.hypot(*(values[frame] - values[frame - 1] for values in (block.x, block.y)))
-        expect(page.locator("#moved")).to_contain_text(f"block moved by {100 * moved:.1f} cm")
+        expect(page.locator("#moved")).to_contain_text(f"block moved by {moved:.3f} m")
         expected = block.x[frame], block.y[frame], np.rad2deg(block.yaw[frame])
         np.testing.assert_allclose(place_of(page, "object"), expected, atol=1e-3)
     expect(page.locator("#chart .leap")).to_have_count(1)

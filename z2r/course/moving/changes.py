@@ -33,19 +33,47 @@ def changes_table(changes: Sequence[Change]) -> MovingPicture:
     """
     still = io.BytesIO()
     what_changes(changes).savefig(still, format="png")
-    rows = [_row(kind, change) for kind, own in by_kind(changes).items() for change in own]
-    data = {"kinds": list(by_kind(changes)), "columns": list(changes[0].marks), "rows": rows}
+    kinds = by_kind(changes)
+    rows = [(kind, change) for kind, own in kinds.items() for change in own]
+    data = {
+        "kinds": [_kind(kind, own) for kind, own in kinds.items()],
+        "columns": [*(_column(name, kinds) for name in changes[0].marks), _noticed(changes)],
+        "rows": [_row(kind, change) for kind, change in rows],
+    }
     return make("changes", _TITLE, _SAYS, data, still.getvalue())
 
 
 def _row(kind: str, change: Change) -> dict[str, object]:
     mode = break_mode(change.name)
+    found = f"Checks of the audit that find it here: {', '.join(change.checks)}."
+    if not change.checks:
+        found = "It sleeps: here it changes nothing." if change.is_dormant else "No check of the audit finds it here."
+    n_checks = f"{len(change.checks) or ('' if change.is_dormant else 'none')}"
+    said = [f"It believes: {mode.assumption}.", f"What gives it away: {mode.signature}.", found]
+    return {"name": change.name, "said": said, "kind": kind, "marks": [*change.marks.values(), n_checks]}
+
+
+def _column(name: str, kinds: dict[str, list[Change]]) -> dict[str, object]:
+    marked = [change.name for own in kinds.values() for change in own if change.marks[name]]
+    other = [kind for kind, own in kinds.items() if not any(change.marks[name] for change in own)]
+    said = [f"Changed by {', '.join(marked) or 'none'}."]
     return {
-        "kind": kind,
-        "name": change.name,
-        "marks": list(change.marks.values()),
-        "checks": change.checks,
-        "dormant": change.is_dormant,
-        "assumption": mode.assumption,
-        "signature": mode.signature,
+        "name": name,
+        "said": [*said, f"No mistake about {' or about '.join(other)} changes it."] if other else said,
     }
+
+
+def _noticed(changes: Sequence[Change]) -> dict[str, object]:
+    unseen = [change.name for change in changes if not change.checks and not change.is_dormant]
+    said = f"Found by none, though it changes something: {', '.join(unseen) or 'no mistake'}."
+    return {"name": "checks that find it", "said": [said]}
+
+
+def _kind(kind: str, own: list[Change]) -> dict[str, object]:
+    changed = [name for name in own[0].marks if any(change.marks[name] for change in own)]
+    same = [name for name in own[0].marks if name not in changed]
+    said = [
+        f"They change: {', '.join(changed) or 'nothing'}.",
+        f"None of them changes: {', '.join(same) or 'nothing'}.",
+    ]
+    return {"name": kind, "said": said}

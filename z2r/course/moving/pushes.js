@@ -80,7 +80,7 @@ const go = (/** @type {number} */ at) => {
 };
 const advance = (/** @type {number} */ time) => {
   if (!playing) return;
-  frame.value = playing.at + Math.floor(((time - playing.since) / 1000) * fps);
+  frame.value = playing.at + Math.max(0, Math.floor(((time - playing.since) / 1000) * fps));
   draw();
   if (frame.valueAsNumber === last) stop();
   else requestAnimationFrame(advance);

@@ -86,15 +86,16 @@ def _from_above(dataset: Dataset, reading: Reading, episode: int) -> MovingPictu
     bodies = drawing.bodies_to_draw(decoded)
     name = drawing.moved_of(bodies)
     steps = np.hypot(*np.diff(drawing.place(decoded.pose(name)), axis=0).T)
-    label = bodies[name].label
+    label, unit = bodies[name].label, reading.poses[name].unit
     data: dict[str, object] = {
         "first": frames.start,
         "bodies": bodies_in(decoded),
         "view": rounded(square_around(decoded)),
         "steps": rounded(steps),
-        "said": [f"the {label} moved by {100 * step:.1f} cm" for step in steps],
+        "said": [f"the {label} moved by {step:.3f} {unit}".strip() for step in steps],
     }
-    says = f"Scrub across the end, with the slider or along the bars. How far can a {label} go in a tenth of a second?"
+    most = f"How far can a {label} go in {1 / dataset.schema.fps:.2g} s?"
+    says = f"Scrub across the end, with the slider or along the bars. {most}"
     end = int(dataset.episodes.to_index[episode])
     still = _still_from_above(decoded, steps, frames.start, end, episode)
     return _make(dataset, episode, says, data, still)
@@ -106,12 +107,13 @@ def _still_from_above(decoded: Decoded, steps: Floats, first: int, end: int, epi
     scene, chart = figure.subplots(1, 2, width_ratios=[4, 5])
     x, y, width = square_around(decoded)
     scene.set(aspect="equal", xlim=(x, x + width), ylim=(y, y + width), xticks=[], yticks=[])
-    goal = drawing.body_of_role(bodies := drawing.bodies_to_draw(decoded), "goal")
+    bodies = drawing.bodies_to_draw(decoded)
+    name, goal = drawing.moved_of(bodies), drawing.body_of_role(bodies, "goal")
     if goal is not None:
         drawing.draw_goal(scene, bodies[goal], decoded.pose(goal))
     move_bodies = drawing.put_bodies(scene, decoded)
-    _draw_steps(chart, 100 * steps, first, end)
-    chart.set_ylabel("moved since the frame before [cm]")
+    _draw_steps(chart, steps, first, end)
+    chart.set_ylabel(f"moved since the frame before [{decoded.reading.poses[name].unit}]")
     chart.set_title(f"episode {episode} to frame {end - 1}, episode {episode + 1} from {end}", size=11)
     now = chart.axvline(first, color=drawing.INK, linewidth=1)
 
@@ -152,20 +154,16 @@ def _pictures(dataset: Dataset, episode: int, frames: slice) -> list[Image.Image
     pair = dataset.episodes.only(np.isin(np.arange(len(dataset.episodes)), (episode, episode + 1)))
     end = int(dataset.episodes.to_index[episode])
     before, after = end - frames.start, frames.stop - end
-    strips = []
-    for film in read_films(inspection, pair, _ALL):
-        first, second = film.clips
-        own = [*_last(first, before, dataset.schema.fps), *islice(_from(second, 0, dataset.schema.fps), after)]
-        strips.append(own)
+    clips = [film.clips for film in read_films(inspection, pair, _ALL) if len(film.clips) == 2]
+    fps = dataset.schema.fps
+    strips = [
+        [*_decoded(one, one.n_frames - before, before, fps), *_decoded(other, 0, after, fps)] for one, other in clips
+    ]
     return [Image.fromarray(np.concatenate(row, axis=1)) for row in zip(*strips, strict=True)]
 
 
-def _last(clip: Clip, n_frames: int, fps: float) -> Iterator[NDArray[np.uint8]]:
-    return islice(_from(clip, clip.n_frames - n_frames, fps), n_frames)
-
-
-def _from(clip: Clip, frame: int, fps: float) -> Iterator[NDArray[np.uint8]]:
-    return decode_clip(clip.data, clip.offset + frame / fps, 1 / fps, _WIDTH)
+def _decoded(clip: Clip, frame: int, n_frames: int, fps: float) -> Iterator[NDArray[np.uint8]]:
+    return islice(decode_clip(clip.data, clip.offset + frame / fps, 1 / fps, _WIDTH), n_frames)
 
 
 def _webp(picture: Image.Image) -> str:

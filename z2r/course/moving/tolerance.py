@@ -40,7 +40,7 @@ def tolerance_box(dataset: Dataset | str | os.PathLike[str] = "messy") -> Moving
     Examples
     --------
     >>> tolerance_box("messy")
-    Moving picture: How good is good enough? Read as usual, 11 of 14 reached
+    Moving picture: How good is good enough? With the limits of the task, 11 of 14 reached
     """
     dataset = dataset if isinstance(dataset, Dataset) else load(dataset)
     reading, outcome = choose_reading(dataset.schema), inspect_dataset(dataset).outcome
@@ -48,7 +48,7 @@ def tolerance_box(dataset: Dataset | str | os.PathLike[str] = "messy") -> Moving
     if reading is None or outcome is None or len(goals) != 2:
         raise ValueError(f"found {len(goals)} goals with a limit `within`, expected a dataset whose reading has two")
     sides = [_Side(goal, reading.unit(goal), goal.within or 0.0, outcome.final_errors[goal.name]) for goal in goals]
-    title = f"How good is good enough? Read as usual, {outcome.tally} reached"
+    title = f"How good is good enough? With the limits of the task, {outcome.tally} reached"
     return make("tolerance", title, _SAYS, {"sides": [side.data for side in sides]}, _still(title, *sides))
 
 
