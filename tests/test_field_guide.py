@@ -9,7 +9,7 @@ from notebook_tools import code_cells, committed, shown
 import z2r
 from z2r.course import figures
 from z2r.course.damage import split, turn_half
-from z2r.course.field_guide import KINDS, Change, guide, what_changes
+from z2r.course.field_guide import KINDS, Change, by_kind, guide, what_changes
 from z2r.reading.breaks import BREAK_MODES
 
 DORMANT_IN_ONE_FILE = {"no-wrap", "first-shard-only", "stale-file-pointer", "name-sorted-files"}
@@ -99,21 +99,25 @@ def test_another_robot_is_refused(standin_copy):
         what_changes(standin_copy)
 
 
+def test_every_mode_is_of_one_kind():
+    assert sorted(name for names in KINDS.values() for name in names) == sorted(BREAK_MODES)
+
+
 def test_the_figure_has_a_row_for_each_and_marks_what_changes(changes):
     axes = figures.what_changes(list(changes.values())).axes[0]
-    assert [label.get_text() for label in axes.get_yticklabels()] == list(changes)
+    rows = dict(zip((label.get_text() for label in axes.get_yticklabels()), axes.get_yticks().tolist(), strict=True))
+    assert rows.keys() == changes.keys()
     marked = {(round(text.get_position()[1]), text.get_position()[0]) for text in axes.texts if text.get_bbox_patch()}
     columns = ("missing", "lengths", "reached", "pos_err", "ang_err", "picture", "action", "speed")
-    expected = {(row, columns.index(field)) for row, fields in enumerate(CHANGED.values()) for field in fields.split()}
+    expected = {(rows[name], columns.index(field)) for name, fields in CHANGED.items() for field in fields.split()}
     assert marked == expected
+    heights = {text.get_text(): text.get_position()[1] for text in axes.texts}
+    for kind, own in by_kind(changes.values()).items():
+        assert [rows[change.name] - heights[kind] for change in own] == list(range(1, len(own) + 1))
     said = [text.get_text() for text in axes.texts]
     assert said.count("nothing to find here") == said.count("NONE") == 1
     with pytest.raises(ValueError, match="at least one"):
         figures.what_changes([])
-
-
-def test_every_break_mode_is_of_one_kind():
-    assert sorted(name for names in KINDS.values() for name in names) == sorted(BREAK_MODES)
 
 
 @pytest.mark.parametrize("kind", KINDS)

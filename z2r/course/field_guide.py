@@ -81,6 +81,18 @@ class Change:
         counts = self.missing, self.lengths, self.reached, self.picture, self.action, *self.errors.values()
         return not any(counts) and self.speed == 1
 
+    @property
+    def marks(self) -> dict[str, str]:
+        """By how much each thing changes; empty where it does not."""
+        counts = {"episodes gone": self.missing, "other length": self.lengths, "reached is wrong": self.reached}
+        shares = {"picture": self.picture, "action": self.action}
+        return {
+            **{name: f"{number or ''}" for name, number in counts.items()},
+            **{f"final {name}": f"{error:.2f}" if error else "" for name, error in self.errors.items()},
+            **{name: f"{100 * share:.0f} %" if share else "" for name, share in shares.items()},
+            "speed": "" if self.speed == 1 else f"{self.speed:.0f} x",
+        }
+
 
 class _Drawn(NamedTuple):
     """Of every frame: its place in its episode, what is drawn, and its action; a row for each."""
@@ -88,6 +100,13 @@ class _Drawn(NamedTuple):
     places: Ints
     bodies: Floats
     action: Floats
+
+
+def by_kind(changes: Iterable[Change]) -> dict[str, list[Change]]:
+    """Sort changes by what their break modes are about; a kind of which there is none is left out."""
+    changes = list(changes)
+    kinds = {kind: [change for change in changes if change.name in names] for kind, names in KINDS.items()}
+    return {kind: found for kind, found in kinds.items() if found}
 
 
 def what_changes(
