@@ -221,8 +221,8 @@ for name, reading in (readings | {"everywhere": everywhere}).items():
     for data in (whole, z2r.load(z2r.MESSY)):
         state = data.read("observation.state")
         depth = 1000 * overlap(z2r.decode(state, reading, data.schema))
-        print(f"{name:10} {data.root.name:8} deepest {depth.max():4.1f} mm", end="")
-        print(f", deeper than 5 mm in {np.sum(depth > 5)} of {len(depth)} frames")
+        print(f"{name:10} {data.root.name:8} {depth.max():4.1f} mm", end="")
+        print(f", over 5 mm in {np.sum(depth > 5)} of {len(depth)} frames")
 
 # %% [markdown]
 # A few millimetres, or thirty. Here is the number that tells the two readings apart, where *reached* could not. `z2r
@@ -313,7 +313,7 @@ for each in apply:
 #
 # Next: somebody sends you a recording of an arm. [Is my data any good?](08_your_dataset.ipynb)
 
-# %% jupyter={"source_hidden": true} cellView="form" tags=["colophon"]
+# %% tags=["colophon"]
 from z2r.course.source import colophon
 
 colophon()

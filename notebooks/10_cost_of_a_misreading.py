@@ -1,7 +1,7 @@
 # ---
 # jupyter:
 #   jupytext:
-#     cell_metadata_filter: tags,-all
+#     cell_metadata_filter: tags,jupyter,cellView,-all
 #     formats: ipynb,py:percent
 #     notebook_metadata_filter: -jupytext.text_representation.jupytext_version
 #     text_representation:
@@ -16,8 +16,7 @@
 
 # %% [markdown] tags=["badge"]
 # [![Open in Colab](https://colab.research.google.com/assets/colab-badge.svg)](https://colab.research.google.com/github/zero2robot/seeing-like-a-robot/blob/main/notebooks/10_cost_of_a_misreading.ipynb)
-#
-# The link opens this notebook in Colab as soon as the repository of the course is public.
+# About 30 minutes. That is an estimate, from words, cells and exercises.
 
 # %% [markdown]
 # # What does a misreading cost?
@@ -26,8 +25,8 @@
 # ways to read a dataset wrong. Does a robot care?
 #
 # It was measured. One small policy was trained again and again, each time on demonstrations that were read wrong in
-# another way. Then it had to do the task in the simulator. Some misreadings cost everything. Of some, no cost could
-# be seen. You will first guess which is which, and then look.
+# another way. Then it had to do the task in the simulator. Some misreadings cost everything. Of some, no cost could be
+# seen. You will first guess which is which, and then look.
 #
 # **By the end you can**
 #
@@ -36,17 +35,18 @@
 # - **read** a rate with its interval, and a difference with its own;
 # - **decide** which checks pay, and which parts of a frame a policy needs.
 #
-# It takes 35 minutes. Nothing is trained on this page. What was measured ships with the package.
+# Nothing is trained on this page. What was measured ships with the package.
 
-# %% tags=["setup"]
-import importlib.util
+# %% jupyter={"source_hidden": true} cellView="form" tags=["setup"]
+# @title Set up: installs z2r where it is missing, as in Colab
+from importlib.util import find_spec
 from pathlib import Path
 
-# Where z2r is missing, as in Colab: from a wheel beside this page, or else from its repository
-if importlib.util.find_spec("z2r") is None:
-    wheels = [path.resolve().as_uri() for path in Path().glob("z2r-*.whl")]
-    source = wheels[0] if wheels else "git+https://github.com/zero2robot/seeing-like-a-robot"
-    get_ipython().run_line_magic("pip", f'install --quiet "z2r[notebook] @ {source}"')
+if not find_spec("z2r"):  # from a wheel beside this page, or its repository
+    source = "git+https://github.com/zero2robot/seeing-like-a-robot"
+    for wheel in Path().glob("z2r-*.whl"):
+        source = wheel.resolve().as_uri()
+    get_ipython().run_line_magic("pip", f'install -q "z2r[notebook]@{source}"')
 
 # %%
 import importlib.util
@@ -112,6 +112,13 @@ late = None
 practice.predict_replay(exchanged, late)
 
 # %% [markdown]
+# <details><summary>Hint</summary>
+#
+# Nothing moves by itself here. Does a block mind if the same pushes come a little later?
+#
+# </details>
+
+# %% [markdown]
 # Here they are, and some more.
 
 # %%
@@ -148,15 +155,17 @@ costs.tell("right", "right-2000")
 # the true one lies, and it is right 95 times in 100. (It is Wilson's, which also works at 0 and at 100 percent.)
 #
 # The training was repeated with the data read wrong, and then with another *seed*, which draws where a network begins.
-# The table has a row for each way to be wrong. A long experiment is not always over: this cell says how much of it
-# is in the table that you have.
+# The table has a row for each way to be wrong. A long experiment is not always over: this cell says how much of it is
+# in the table that you have.
 
 # %%
 table = read_results()
 trained = Counter(each.row for each in table)
 print(len(trained), "of", len(ROWS), "rows are measured,", end=" ")
-print("each with", min(trained.values()), "to", max(trained.values()), "training seeds")
-print(min(len(each.outcomes) for each in table), "starts or more for each,", end=" ")
+few, many = min(trained.values()), max(trained.values())
+print("each with", few, "to", many, "training seeds")
+starts = min(len(each.outcomes) for each in table)
+print(starts, "starts or more for each,", end=" ")
 print(sum(len(each.outcomes) for each in table), "rollouts in all")
 
 # %% [markdown]
@@ -178,6 +187,13 @@ for row in six:
 # %% tags=["exercise", "order"]
 order = None
 practice.check_order(order, six)
+
+# %% [markdown]
+# <details><summary>Hint</summary>
+#
+# In how many frames is each of them wrong? And can a second look mend it?
+#
+# </details>
 
 # %% [markdown]
 # ## The table
@@ -228,7 +244,8 @@ Image(rollouts.film(three, seconds=12), format="png")
 # %%
 speed = np.median(np.hypot(*standin.read("action").T))
 for frames in (2, 5):
-    print(f"in {frames} frames the pusher goes {100 * speed * frames / 10:.0f} cm")
+    centimetres = 100 * speed * frames / 10
+    print(f"in {frames} frames the pusher goes {centimetres:.0f} cm")
 print("the stem of the T is 3 cm wide")
 
 # %% [markdown]
@@ -279,6 +296,13 @@ for row in four:
 # %% tags=["exercise", "order-again"]
 order = None
 practice.check_order(order, four)
+
+# %% [markdown]
+# <details><summary>Hint</summary>
+#
+# To a network, a number is only a number. Is it the same in training and at rollout?
+#
+# </details>
 
 # %% [markdown]
 # ## Consistent nonsense
@@ -391,7 +415,8 @@ against = action @ action.T < -0.8 * np.outer(speed, speed)
 fast = np.minimum.outer(speed, speed) > 0.2
 pairs = np.where(against & fast, apart, np.inf)
 for frame in np.unravel_index(pairs.argmin(), pairs.shape):
-    print(f"frame {frame}: state", *state[frame, :6].round(3), " action", *action[frame].round(2))
+    print(f"frame {frame}: state", *state[frame, :6].round(3), end="")
+    print("  action", *action[frame].round(2))
 
 # %% [markdown]
 # To the millimetre the same place, and opposite answers. Part of it is noise, which this recording adds to each action.
@@ -413,14 +438,14 @@ costs.tell("right", *costs.RECIPE)
 # - **One task, one recipe.** Another policy has other weak spots. One that looks again after every action, or from a
 #   camera, may forgive what this one does not, and the other way round.
 # - **A simulator.** A real arm has delays of its own, to which a wrong one is added.
-# - **Few seeds.** The intervals hold for the starts. Of how much trainings differ from one another, at most three
-#   seeds say little.
+# - **Few seeds.** The intervals hold for the starts. Of how much trainings differ from one another, at most three seeds
+#   say little.
 # - **Many rows.** With fifty intervals that are right 95 times in 100, two or three are wrong. Trust the large
 #   differences, and take the small ones as a hint.
 # - **Some demonstrations.** 400 clean ones are many for this task. With fewer, a bad tenth may cost more.
 #
-# Any row can be measured again. This is the command of the dear one; it needs torch, and trains and plays a policy
-# for each seed.
+# Any row can be measured again. This is the command of the dear one; it needs torch, and trains and plays a policy for
+# each seed.
 
 # %%
 dear = next(each for each in table if each.row == "late-5")
@@ -430,12 +455,12 @@ print(dear.stack)
 
 
 # %% [markdown]
-# ## Practice
+# ### Practice: drawn again (about 2 min)
 #
 # **Bug hunt.** How far does chance alone move a difference? Draw the starts again, some of them twice and some never,
 # take the difference, and do that a thousand times. It is called *bootstrap*. This function does so for two policies,
-# with 1 for each start that succeeded and 0 for each that did not. It runs, and its interval is too wide: it gives
-# away that both were played from the *same* starts. Find out where, and mend it.
+# with 1 for each start that succeeded and 0 for each that did not. It runs, and its interval is too wide: it gives away
+# that both were played from the *same* starts. Find out where, and mend it.
 
 
 # %% tags=["exercise", "interval"]
@@ -451,6 +476,52 @@ def my_interval(one, other, rng):
 practice.check_interval(my_interval)
 
 # %% [markdown]
+# <details><summary>Hint</summary>
+#
+# A start that is easy is easy for both. Which starts does each of the two get?
+#
+# </details>
+# <details><summary>Solution</summary>
+#
+# ```python
+# def my_interval(one, other, rng):
+#     differences = []
+#     for _ in range(1000):
+#         drawn = rng.integers(len(one), size=len(one))
+#         differences.append(one[drawn].mean() - other[drawn].mean())
+#     return np.quantile(differences, (0.025, 0.975))
+# ```
+#
+# </details>
+
+# %% [markdown]
+# ## Now train
+#
+# You can read a dataset, and you know which mistakes are dear. What is left is to train. Take `arm`, or your own, and
+# audit it one last time.
+
+# %%
+audit = z2r.audit(z2r.ARM)
+for each in audit.findings:
+    print(f"{each.severity} [{each.check}] found {each.found}")
+print("exit code", audit.exit_code)
+
+# %% [markdown]
+# Exit code 0: no error, and no warning. The note matters now. ACT, the policy that most people begin with, plans 100
+# frames at once, and one episode is shorter than that. So let it plan fewer. This is all of it, in a terminal, with the
+# commands of `z2r` and of LeRobot. Put the folder of your dataset in place of `my_dataset`:
+#
+# ```bash
+# z2r audit my_dataset --pictures --keep good.json &&
+# lerobot-train --dataset.repo_id=me/my_dataset --dataset.root=my_dataset \
+#     --dataset.episodes="$(cat good.json)" \
+#     --policy.type=act --policy.chunk_size=50 --policy.n_action_steps=50 \
+#     --policy.push_to_hub=false --output_dir=trained
+# ```
+#
+# If the audit finds something, its exit code is 1, and nothing trains: `&&` saw to that. Look at what it found, decide,
+# and only then go on.
+#
 # ## You can now
 #
 # - **replay** recorded actions: it finds wrong axes, units and clocks in a second, and no delay of a frame or two;
@@ -459,5 +530,5 @@ practice.check_interval(my_interval)
 # - **read** *97 of 100* with its interval, and *no difference seen* as what it is;
 # - **decide** by paired starts whether a check pays, with length held against it, and ask what a frame lacks.
 #
-# This was the last notebook. Next: take a dataset of your own, [read it](08_your_dataset.ipynb), audit it, replay it.
-# And only then train.
+# This was the last page. The chapter after it is *behaviour cloning*: it trains on exactly such rows of state and
+# action as you can read now. Until then, take a dataset of your own, and [read it](08_your_dataset.ipynb).

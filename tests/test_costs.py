@@ -6,7 +6,7 @@ from itertools import pairwise, permutations
 
 import numpy as np
 import pytest
-from notebook_tools import ROOT, code_cells, committed, shown
+from notebook_tools import ROOT
 from PIL import Image, ImageSequence
 from test_package import loaded_by
 
@@ -144,23 +144,3 @@ def test_paths_begin_and_end_where_the_rollout_did():
 def test_the_page_needs_neither_torch_nor_the_simulator():
     loaded = loaded_by("from z2r.course import costs, rollouts; from z2r.pusht.cloning import rows, data")
     assert not loaded & {"torch", "mujoco", "lerobot"}
-
-
-def test_every_number_in_the_prose_is_one_that_a_cell_has():
-    page = committed("10_cost_of_a_misreading")
-    cells = code_cells(page)
-    there = set(numbers("\n".join([*(cell.source for cell in cells), *(str(shown(cell)) for cell in cells)])))
-    prose = "\n".join(
-        cell.source for cell in page.cells if cell.cell_type == "markdown" and "badge" not in str(cell.metadata)
-    )
-    said = set(numbers(re.sub(r"\]\(.*?\)|`.*?`", "", prose)))
-    assert said - there <= {
-        "35",
-        "95",
-        "0.2",
-        "2,000",
-    }  # minutes, of every 100 intervals, s of two frames, as in row names
-
-
-def numbers(text):
-    return re.findall(r"(?<![\w.-])\d+(?:[.,]\d+)*", text)

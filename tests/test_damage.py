@@ -11,7 +11,7 @@ from test_dataset import oracle
 
 import z2r
 from z2r.course.cameras import picture
-from z2r.course.damage import delay_actions, record_badly, shift_ranges, split, swap_sine_and_cosine, turn_half
+from z2r.course.damage import record_badly, split, turn_half
 from z2r.format.schema import ACTION, STATE
 
 FEATURES = (STATE, ACTION)
@@ -101,33 +101,6 @@ def test_an_error_that_is_not_wrapped_shows_after_half_a_turn(copy):
     turn_half(copy)
     audit = z2r.audit(copy, z2r.break_mode("no-wrap"))
     assert "yaw-error" in {finding.check for finding in audit.findings}
-
-
-def test_ranges_that_begin_late(copy):
-    before = z2r.load(copy).episodes
-    shift_ranges(copy)
-    after = z2r.load(copy).episodes
-    assert (after.from_index - before.from_index).tolist() == [0] + [1] * 13
-    assert (after.to_index - before.to_index).tolist() == [1] * 13 + [0]
-    assert {"episode-column", "leap"} <= checks(copy)
-
-
-def test_swapped_names(copy):
-    swap_sine_and_cosine(copy)
-    names = z2r.load(copy).schema.features[STATE].dim_names
-    assert names[4:6] + names[8:] == ("cos_tee_yaw", "sin_tee_yaw", "cos_target_yaw", "sin_target_yaw")
-    assert z2r.inspect_dataset(z2r.load(copy)).outcome.n_reached == 11
-    assert "overlap" in checks(copy)
-
-
-def test_delayed_actions_leave_every_statistic_right(copy):
-    right = z2r.load(z2r.MESSY)
-    delay_actions(copy)
-    late = z2r.load(copy)
-    for episode in range(len(late.episodes)):
-        part = late.episodes[episode]
-        np.testing.assert_array_equal(late.read(ACTION)[part][1:], right.read(ACTION)[part][:-1])
-    assert checks(copy) == {"action-motion", "late"}
 
 
 def test_a_bad_recording_of_an_arm_has_its_three_faults_and_statistics_that_agree(tmp_path):

@@ -4,11 +4,12 @@ import shutil
 from pathlib import Path
 
 import pytest
+from notebook_tools import code_cells, committed, shown
 
 import z2r
 from z2r.course import figures
 from z2r.course.damage import split, turn_half
-from z2r.course.field_guide import Change, what_changes
+from z2r.course.field_guide import KINDS, Change, by_kind, guide, what_changes
 from z2r.reading.breaks import BREAK_MODES
 
 DORMANT_IN_ONE_FILE = {"no-wrap", "first-shard-only", "stale-file-pointer", "name-sorted-files"}
@@ -98,30 +99,39 @@ def test_another_robot_is_refused(standin_copy):
         what_changes(standin_copy)
 
 
+def test_every_mode_is_of_one_kind():
+    assert sorted(name for names in KINDS.values() for name in names) == sorted(BREAK_MODES)
+
+
 def test_the_figure_has_a_row_for_each_and_marks_what_changes(changes):
     axes = figures.what_changes(list(changes.values())).axes[0]
-    assert [label.get_text() for label in axes.get_yticklabels()] == list(changes)
+    rows = dict(zip((label.get_text() for label in axes.get_yticklabels()), axes.get_yticks().tolist(), strict=True))
+    assert rows.keys() == changes.keys()
     marked = {(round(text.get_position()[1]), text.get_position()[0]) for text in axes.texts if text.get_bbox_patch()}
     columns = ("missing", "lengths", "reached", "pos_err", "ang_err", "picture", "action", "speed")
-    expected = {(row, columns.index(field)) for row, fields in enumerate(CHANGED.values()) for field in fields.split()}
+    expected = {(rows[name], columns.index(field)) for name, fields in CHANGED.items() for field in fields.split()}
     assert marked == expected
+    heights = {text.get_text(): text.get_position()[1] for text in axes.texts}
+    for kind, own in by_kind(changes.values()).items():
+        assert [rows[change.name] - heights[kind] for change in own] == list(range(1, len(own) + 1))
     said = [text.get_text() for text in axes.texts]
     assert said.count("nothing to find here") == said.count("NONE") == 1
     with pytest.raises(ValueError, match="at least one"):
         figures.what_changes([])
 
 
-def test_action_and_motion_are_drawn_frame_by_frame():
-    figure = figures.action_and_motion([0.1, 0.2, 0.3], [0.1, 0.2], 10)
-    action, motion = (line.get_xydata() for line in figure.axes[0].lines)
-    assert action[:, 0].tolist() == [0.0, 0.1, 0.2]
-    assert motion[:, 1].tolist() == [0.1, 0.2]
-    with pytest.raises(ValueError, match="one less"):
-        figures.action_and_motion([0.1, 0.2], [0.1, 0.2], 10)
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_guide_has_a_row_for_each_of_its_kind_and_is_on_the_page(kind):
+    _, _, *rows = guide(kind).splitlines()
+    for row, name in zip(rows, KINDS[kind], strict=True):
+        mode = BREAK_MODES[name]
+        assert f"| `{name}` | {mode.assumption} | {mode.signature} |" in row
+        assert (f"[met]({mode.seen_in})" in row) == bool(mode.seen_in)
+        assert row.count("|") == 5  # a bar in the text would make a column
+    pages = [shown(cell) for cell in code_cells(committed("09_field_guide"))]
+    assert [("text/markdown", guide(kind)), ("text/plain", repr(guide(kind)))] in pages
 
 
 @pytest.mark.parametrize("mode", [mode for mode in BREAK_MODES.values() if mode.seen_in])
-def test_a_case_is_an_address_that_the_course_links_to(mode):
-    pages = Path(z2r.__file__).parents[1] / "notebooks"
-    assert f"({mode.seen_in})" in (pages / "09_field_guide.py").read_text()
+def test_a_case_is_an_address(mode):
     assert mode.seen_in.startswith("https://github.com/")

@@ -90,6 +90,7 @@ def test_run_all_finishes_and_draws_the_figures(page, server, tmp_path):
     expect(kernel).to_have_attribute("data-status", "idle")
     page.screenshot(path=tmp_path / "notebook.png", full_page=True)
     print(tmp_path / "notebook.png")
+    expect(notebook.locator(".jp-InputPlaceholder")).to_contain_text("Set up")  # the one cell that is folded
     assert notebook.locator(".jp-OutputArea-output", has_text="Traceback (most recent call last)").count() == 0
     expect(notebook.locator(".jp-OutputArea-output img[src^='data:image/png']")).to_have_count(figures)
     panel = notebook.frame_locator("iframe")

@@ -4,12 +4,7 @@ def longest_steps(x, y, episodes):
     parts = zip(episodes.from_index, episodes.to_index, strict=True)
     return {}
 practice.check_longest_steps(longest_steps)"""
-MATCH = """\
-def match(action, velocity, shift):
-    later = {}
-    return None if later is ... else np.corrcoef(later, velocity[: len(later)])[0, 1]
-practice.check_match(match)"""
-DIAGNOSIS = 'practice.check_diagnosis("{}", {!r})'
+PREDICT = "practice.predict_unnoticed(root, {})"
 
 EXERCISES = {
     "longest-steps": {
@@ -25,37 +20,13 @@ EXERCISES = {
             "one number": (STEPS.format("steps.max()"), "for the episodes of messy"),
         },
     },
-    "match": {
-        "solution": MATCH.format("action[shift:shift + len(velocity)]"),
+    "predict-unnoticed": {
+        "solution": PREDICT.format('"degrees-for-radians"'),
         "wrong": {
-            "not cut": (MATCH.format("action[shift:]"), "raised ValueError"),
-            "not shifted": (MATCH.format("action[:len(velocity) - shift]"), "one frame later"),
-            "the other way": (MATCH.format("action[:-1 - shift]"), "one frame later"),
-            "always one": (MATCH.format("action[1:]"), "no frame later"),
-        },
-    },
-    "dataset-a": {
-        "solution": DIAGNOSIS.format("a", "ranges-one-frame-late"),
-        "wrong": {
-            "files mixed up": (DIAGNOSIS.format("a", "files-in-wrong-order"), "anywhere inside"),
-            "merged": (DIAGNOSIS.format("a", "two-episodes-merged"), "twice as long"),
-            "no suspect": (DIAGNOSIS.format("a", "broken"), "none of the suspects"),
-        },
-    },
-    "dataset-b": {
-        "solution": DIAGNOSIS.format("b", "sine-and-cosine-swapped"),
-        "wrong": {
-            "units": (DIAGNOSIS.format("b", "positions-in-millimetres"), "hundreds of metres"),
-            "time": (DIAGNOSIS.format("b", "fps-three-times-too-high"), "three times as fast"),
-            "a number": (DIAGNOSIS.format("b", 3), "none of the suspects"),
-        },
-    },
-    "dataset-c": {
-        "solution": DIAGNOSIS.format("c", "actions-one-frame-late"),
-        "wrong": {
-            "the other way": (DIAGNOSIS.format("c", "actions-one-frame-early"), "one frame earlier"),
-            "time": (DIAGNOSIS.format("c", "fps-three-times-too-high"), "Do the cells above show it?"),
-            "index": (DIAGNOSIS.format("c", "ranges-one-frame-late"), "a leap at its end"),
+            "a body elsewhere": (PREDICT.format('"wrong-reference-point"'), "it is degrees-for-radians"),
+            "another frame": (PREDICT.format('"first-frame-for-last"'), "how good is good enough"),
+            "of an arm, then": (PREDICT.format('"joints-exchanged"'), "Of the arm, which is not noticed"),
+            "and wrong again": (PREDICT.format('"joints-exchanged", again="wrong-fps"'), "within what arms do"),
         },
     },
 }

@@ -104,7 +104,7 @@ def with_header(notebook: NotebookNode, stem: str) -> NotebookNode:
     first_code = next((i for i, cell in enumerate(cells) if cell.cell_type == "code"), len(cells))
     cells = [badge, *cells[:first_code], setup, *cells[first_code:]]
     if any("show_source(" in cell.source for cell in cells if cell.cell_type == "code"):
-        cells.append(v4.new_code_cell(_COLOPHON, metadata=_FOLDED | {"tags": ["colophon"]}))
+        cells.append(v4.new_code_cell(_COLOPHON, metadata={"tags": ["colophon"]}))
     for position, cell in enumerate(cells):
         cell["id"] = f"{stem}-{position:02d}"
     with_ids: NotebookNode = v4.new_notebook(cells=cells, metadata=copy.deepcopy(_METADATA))

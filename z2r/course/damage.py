@@ -96,61 +96,6 @@ def turn_half(root: Path) -> None:
     _edit_rows(root, _turn_row)
 
 
-def shift_ranges(root: Path) -> None:
-    """Begin every episode but the first one frame late in the metadata: that frame goes to the episode before it.
-
-    Parameters
-    ----------
-    root : Path
-        A copy of a dataset whose last episode has two frames or more: it is written to.
-    """
-    last = len(load(root).episodes) - 1
-
-    def shift(row: _Row) -> None:
-        row["dataset_from_index"] += row["episode_index"] > 0
-        row["dataset_to_index"] += row["episode_index"] < last
-        row["length"] = row["dataset_to_index"] - row["dataset_from_index"]
-
-    _edit_rows(root, shift)
-
-
-def swap_sine_and_cosine(root: Path) -> None:
-    """Exchange the names of sine and cosine in the schema, for the block and for the target.
-
-    Parameters
-    ----------
-    root : Path
-        A copy of a PushT dataset: it is written to.
-    """
-    other = {"sin": "cos", "cos": "sin"}
-
-    def swap(info: _Row) -> None:
-        feature = info["features"][STATE]
-        feature["names"] = [other.get(name[:3], name[:3]) + name[3:] for name in feature["names"]]
-
-    _edit_info(root, swap)
-
-
-def delay_actions(root: Path) -> None:
-    """Store every action one frame late; the last one of an episode, which has no frame any more, becomes its first.
-
-    The values of each episode stay the same, and so do all statistics.
-
-    Parameters
-    ----------
-    root : Path
-        A copy of a dataset: it is written to.
-    """
-    dataset = load(root)
-    for file in dataset.files:
-
-        def delay(values: _Values, file: DataFile = file) -> _Values:
-            parts = [values[start:stop] for start, stop in _ranges(dataset, file)]
-            return np.concatenate([np.roll(part, 1, axis=0) for part in parts])
-
-        _edit_feature(file.path, ACTION, delay)
-
-
 def record_badly(root: Path, out: Path) -> Path:
     """Copy the recording of an arm, as three mistakes of its owner would have left it.
 

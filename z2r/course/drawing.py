@@ -6,11 +6,12 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgba_array
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle
+from matplotlib.patches import Circle, Polygon
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 
@@ -205,6 +206,32 @@ def _draw_robot(axes: Axes, body: Body, pose: Pose, strength: Sequence[float]) -
     for center, alpha in zip(place(pose), strength, strict=True):
         # As large as it is: under a wrong reading it stands inside of another body.
         axes.add_patch(Circle(center, body.disc.radius, fill=False, color=PUSHER, alpha=alpha, gid=body.label))
+
+
+def put_bodies(axes: Axes, decoded: Decoded) -> Callable[[int], list[Artist]]:
+    """Draw the bodies of a reading but for goals; return what moves them to a frame, and says which they are."""
+    moved: list[tuple[Polygon, Floats]] = []
+    for name, body in bodies_to_draw(decoded).items():
+        if body.role == "goal":
+            continue
+        solid = body if len(body.outline) else body._replace(outline=_round(body))
+        outlines = outlines_of(solid, decoded.pose(name))
+        ink = TEE if body.role == "object" else PUSHER
+        shape = Polygon(outlines[0], facecolor=(ink, 0.7), edgecolor=ink, linewidth=1.5)
+        axes.add_patch(shape)
+        moved.append((shape, outlines))
+
+    def move(frame: int) -> list[Artist]:
+        for shape, outlines in moved:
+            shape.set_xy(outlines[frame])
+        return [shape for shape, _ in moved]
+
+    return move
+
+
+def _round(body: Body) -> Floats:
+    around = np.linspace(0, 2 * np.pi, 48, endpoint=False)
+    return body.reach * np.stack([np.cos(around), np.sin(around)], axis=1)
 
 
 def draw_path(axes: Axes, path: Floats, color: str, what: str) -> None:

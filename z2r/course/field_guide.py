@@ -19,6 +19,26 @@ from z2r.reading.reading import Reading
 
 _DIGITS = 6  # of an error: what float32 leaves behind is no change
 
+KINDS: dict[str, tuple[str, ...]] = {
+    "what the numbers mean": (
+        "yaw-swap",
+        "yaw-swap-everywhere",
+        "no-wrap",
+        "wrong-reference-point",
+        "degrees-for-radians",
+        "first-frame-for-last",
+        "wrong-angle-unit",
+        "joints-exchanged",
+        "quaternion-order",
+        "delta-for-absolute",
+        "gripper-inverted",
+    ),
+    "the index": ("drop-boundaries", "inclusive-end", "first-shard-only", "stale-file-pointer"),
+    "the files": ("name-sorted-files",),
+    "time": ("wrong-fps", "action-lag"),
+}
+"""What a break mode is about, and which are about it."""
+
 
 @dataclass(frozen=True)
 class Change:
@@ -61,6 +81,18 @@ class Change:
         counts = self.missing, self.lengths, self.reached, self.picture, self.action, *self.errors.values()
         return not any(counts) and self.speed == 1
 
+    @property
+    def marks(self) -> dict[str, str]:
+        """By how much each thing changes; empty where it does not."""
+        counts = {"episodes gone": self.missing, "other length": self.lengths, "reached is wrong": self.reached}
+        shares = {"picture": self.picture, "action": self.action}
+        return {
+            **{name: f"{number or ''}" for name, number in counts.items()},
+            **{f"final {name}": f"{error:.2f}" if error else "" for name, error in self.errors.items()},
+            **{name: f"{100 * share:.0f} %" if share else "" for name, share in shares.items()},
+            "speed": "" if self.speed == 1 else f"{self.speed:.0f} x",
+        }
+
 
 class _Drawn(NamedTuple):
     """Of every frame: its place in its episode, what is drawn, and its action; a row for each."""
@@ -68,6 +100,13 @@ class _Drawn(NamedTuple):
     places: Ints
     bodies: Floats
     action: Floats
+
+
+def by_kind(changes: Iterable[Change]) -> dict[str, list[Change]]:
+    """Sort changes by what their break modes are about; a kind of which there is none is left out."""
+    changes = list(changes)
+    kinds = {kind: [change for change in changes if change.name in names] for kind, names in KINDS.items()}
+    return {kind: found for kind, found in kinds.items() if found}
 
 
 def what_changes(
@@ -168,3 +207,33 @@ def _share_that_differs(places: Ints, values: Floats, other_places: Ints, other_
 
 def _largest(change: Floats) -> float:
     return round(float(np.abs(change).max()), _DIGITS)
+
+
+class Guide(str):
+    """A table in Markdown, which a notebook renders."""
+
+    def __repr__(self) -> str:
+        return str(self)
+
+    def _repr_markdown_(self) -> str:
+        return str(self)
+
+
+def guide(kind: str) -> Guide:
+    """Return the page of the field guide about one kind of mistake: what is believed, what it leaves, who met it.
+
+    Parameters
+    ----------
+    kind : str
+        One of `KINDS`.
+
+    Examples
+    --------
+    >>> print(guide("the files").splitlines()[0])
+    | break mode | what is believed | what it leaves behind | |
+    """
+    lines = ["| break mode | what is believed | what it leaves behind | |", "| --- | --- | --- | --- |"]
+    for mode in (BREAK_MODES[name] for name in KINDS[kind]):
+        met = f"[met]({mode.seen_in})" if mode.seen_in else ""
+        lines.append(f"| `{mode.name}` | {mode.assumption} | {mode.signature} | {met} |")
+    return Guide("\n".join(lines))

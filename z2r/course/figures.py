@@ -20,7 +20,7 @@ from z2r.api import inspect_dataset
 from z2r.arrays import Bools, Floats
 from z2r.course import drawing
 from z2r.course.cameras import picture
-from z2r.course.field_guide import Change
+from z2r.course.field_guide import Change, by_kind
 from z2r.errors import count
 from z2r.format.about import short_names
 from z2r.format.dataset import Dataset
@@ -247,6 +247,7 @@ def seen_from_block(right: Decoded, wrong: Decoded) -> Figure:
         axes.set_title(what, color=color)
         (left, bottom), (right_end, top) = outline.min(axis=0) - _NEAR, outline.max(axis=0) + _NEAR
         axes.set(aspect="equal", xlabel="across the block [m]", xlim=(left, right_end), ylim=(bottom, top))
+        axes.xaxis.set_major_locator(MaxNLocator(4))
     panels[0].set_ylabel("along the block [m]")
     return figure
 
@@ -447,36 +448,6 @@ def two_poses(
 
 
 @drawing.in_style
-def action_and_motion(action: Floats, velocity: Floats, fps: float) -> Figure:
-    """Draw what was asked of the pusher and what it did, along one axis.
-
-    Parameters
-    ----------
-    action : ndarray, float64[n_frames]
-        The velocity that the action of each frame asks for [m/s], at least two frames.
-    velocity : ndarray, float64[n_frames - 1]
-        How fast the pusher went from each frame to the next [m/s].
-    fps : float
-        Frames a second.
-
-    Raises
-    ------
-    ValueError
-        If there are fewer than two frames, or not one velocity less than actions.
-    """
-    if len(action) < 2 or len(velocity) != len(action) - 1:
-        raise ValueError(f"found {len(action)} actions and {len(velocity)} velocities, expected 2 or more and one less")
-    figure = drawing.new_figure(8, 2.9)
-    axes = figure.subplots()
-    time = np.arange(len(action)) / fps
-    axes.plot(time, action, "o", color=drawing.BLUE, markersize=7, fillstyle="none", gid="action")
-    axes.plot(time[:-1], velocity, "x-", color=drawing.VERMILLION, markersize=6, linewidth=1, gid="motion")
-    axes.set(xlabel="time of the frame [s]", ylabel="velocity [m/s]")
-    axes.set_title("ring: what the action of a frame asks, cross: what the pusher then does")
-    return figure
-
-
-@drawing.in_style
 def commands_and_joints(dataset: Dataset, episode: int, *joints: str) -> Figure:
     """Draw what some joints of an arm were told, and where they were, in one episode.
 
@@ -510,7 +481,7 @@ def commands_and_joints(dataset: Dataset, episode: int, *joints: str) -> Figure:
 
 @drawing.in_style
 def what_changes(changes: Sequence[Change]) -> Figure:
-    """Draw what each break mode changes, and which checks of the audit notice it.
+    """Draw what each break mode changes, and which checks of the audit notice it; those of a kind come together.
 
     Parameters
     ----------
@@ -524,20 +495,26 @@ def what_changes(changes: Sequence[Change]) -> Figure:
     """
     if not changes:
         raise ValueError("found no change, expected at least one")
-    figure = drawing.new_figure(11.5, 1 + 0.36 * len(changes))
+    kinds = by_kind(changes)
+    n_rows = len(changes) + len(kinds)
+    figure = drawing.new_figure(11.5, 1 + 0.34 * n_rows)
     axes = figure.subplots()
-    columns = ["episodes\ngone", "other\nlength", "reached\nis wrong"]
-    columns += [f"final\n{name}" for name in changes[0].errors] + ["picture", "action", "speed"]
-    axes.set(xlim=(-0.5, len(columns) + 2.7), ylim=(len(changes) - 0.4, -0.6))
+    columns = [name.replace(" ", "\n", 1) for name in changes[0].marks]
+    axes.set(xlim=(-0.5, len(columns) + 2.7), ylim=(n_rows - 0.4, -0.6))
     axes.set(xticks=range(len(columns)), xticklabels=columns)
     after = len(columns) - 0.4
-    axes.set(yticks=range(len(changes)), yticklabels=[change.name for change in changes])
     axes.text(after, -0.7, "checks of the audit\nthat find it", va="bottom")
     axes.tick_params(length=0, labeltop=True, labelbottom=False)
     axes.spines[["left", "bottom"]].set_visible(False)
-    for row, change in enumerate(changes):
+    rows: dict[int, Change] = {}
+    for kind, own in kinds.items():
+        heading = len(rows) + list(kinds).index(kind)
+        axes.text(-0.4, heading, kind, va="center", weight="bold", color=drawing.BLUE)
+        rows |= enumerate(own, heading + 1)
+    axes.set(yticks=list(rows), yticklabels=[change.name for change in rows.values()])
+    for row, change in rows.items():
         axes.axhline(row + 0.5, color=drawing.GREY, linewidth=0.3)
-        for column, text in enumerate(_marks(change)):
+        for column, text in enumerate(change.marks.values()):
             style: dict[str, Any] = {"boxstyle": "round,pad=0.25", "edgecolor": drawing.WRONG, "facecolor": "none"}
             axes.text(column, row, text or "·", ha="center", va="center", bbox=style if text else None)
         axes.text(after, row, _noticed(change), va="center", weight="normal" if change.checks else "bold")
@@ -576,14 +553,6 @@ def action_fits(dataset: Dataset, dim: int = 0) -> Figure:
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.set_title("\n".join(wrap(f"{driven}".replace("$", r"\$"), 90)), size=10)
     return figure
-
-
-def _marks(change: Change) -> list[str]:
-    """Say of each column by how much it changes; empty where it does not."""
-    counts = [f"{count}" if count else "" for count in (change.missing, change.lengths, change.reached)]
-    errors = [f"{error:.2f}" if error else "" for error in change.errors.values()]
-    shares = [f"{100 * share:.0f} %" if share else "" for share in (change.picture, change.action)]
-    return [*counts, *errors, *shares, "" if change.speed == 1 else f"{change.speed:.0f} x"]
 
 
 def _noticed(change: Change) -> str:

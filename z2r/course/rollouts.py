@@ -1,23 +1,18 @@
 """What did the policies do? Rollouts from the same start, side by side: as paths, and as a film."""
 
-import io
 from collections.abc import Callable, Mapping
 from functools import cache
-from itertools import pairwise
 
-import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle, Polygon
-from PIL import Image
-from PIL.PngImagePlugin import Blend
 
-from z2r.course import drawing
+from z2r.course import animated, drawing
 from z2r.data import STANDIN
 from z2r.format.dataset import load
 from z2r.format.schema import Schema
 from z2r.pusht.played import Rollout
-from z2r.pusht.task import CONTROL_HZ, PUSHER_RADIUS
+from z2r.pusht.task import CONTROL_HZ
 from z2r.pusht.world import BODIES, PUSHT
 from z2r.reading.decode import Decoded, decode
 
@@ -34,8 +29,6 @@ WALL = {
 
 _COLUMNS = 3
 _STEP = 2  # frames of a rollout from one picture of the film to the next
-_COLORS = 31  # of the film: its surfaces are plain. One more is transparent.
-_HOLD = 2000  # ms: the last picture stays before it begins again
 
 
 @drawing.in_style
@@ -64,6 +57,7 @@ def paths(rollouts: Rollouts) -> Figure:
     return figure
 
 
+@drawing.in_style
 def film(rollouts: Rollouts, seconds: float) -> bytes:
     """Return rollouts as one moving picture, an animated PNG: whatever shows a PNG shows it.
 
@@ -74,69 +68,28 @@ def film(rollouts: Rollouts, seconds: float) -> bytes:
     seconds : float
         How much of each is shown, as fast as it was. One that ends earlier stands still.
     """
-    pictures = _pictures(rollouts, round(seconds * CONTROL_HZ / _STEP))
-    palette = pictures[-1].quantize(_COLORS)
-    palette.putpalette([*(palette.getpalette() or []), 0, 0, 0])  # and what is transparent
-    flat = [each.quantize(palette=palette, dither=Image.Dither.NONE) for each in pictures]
-    changes = [_changed(before, now) for before, now in pairwise(flat)]
-    made = io.BytesIO()
-    flat[-1].save(  # what is shown where nothing moves is the end
-        made,
-        "PNG",
-        save_all=True,
-        default_image=True,
-        append_images=[flat[0], *changes],
-        duration=[0] + [1000 * _STEP // CONTROL_HZ] * len(changes) + [_HOLD],
-        loop=0,
-        blend=Blend.OP_OVER,
-        transparency=_COLORS,
-        optimize=True,
-    )
-    return made.getvalue()
-
-
-def _changed(before: Image.Image, now: Image.Image) -> Image.Image:
-    """Return a picture that is transparent where it is as before, and so takes little room."""
-    same = np.asarray(before) == np.asarray(now)
-    changed = Image.fromarray(np.where(same, np.uint8(_COLORS), np.asarray(now)), "P")
-    changed.putpalette(now.getpalette() or [])
-    return changed
-
-
-@drawing.in_style
-def _pictures(rollouts: Rollouts, n_pictures: int) -> list[Image.Image]:
     figure = drawing.new_figure(2.4 * len(rollouts), 2.8)
     panels = figure.subplots(1, len(rollouts), squeeze=False)[0]
     move_all = [_put_actors(axes, name, each) for axes, (name, each) in zip(panels, rollouts.items(), strict=True)]
-    pictures = []
-    for number in range(n_pictures):
-        for move in move_all:
-            move(number * _STEP)
-        drawn = io.BytesIO()
-        figure.savefig(drawn, format="rgba")
-        figure.set_layout_engine("none")  # or it is laid out anew for each picture
-        size = figure.canvas.get_width_height()
-        pictures.append(Image.frombytes("RGBA", size, drawn.getvalue()).convert("RGB"))
-    return pictures
+
+    def move(frame: int) -> list[Artist]:
+        return [part for move_one in move_all for part in move_one(frame)]
+
+    return animated.film(figure, move, range(0, round(seconds * CONTROL_HZ), _STEP), 1000 * _STEP // CONTROL_HZ)
 
 
-def _put_actors(axes: Axes, name: str, rollout: Rollout) -> Callable[[int], None]:
+def _put_actors(axes: Axes, name: str, rollout: Rollout) -> Callable[[int], list[Artist]]:
     """Draw block and pusher where they began; return what moves them to where they are in a frame."""
     decoded = _set_stage(axes, name, rollout)
-    path, outlines = drawing.place(decoded.pose("pusher")), drawing.outlines_of(BODIES["tee"], decoded.pose("tee"))
+    path, move_bodies = drawing.place(decoded.pose("pusher")), drawing.put_bodies(axes, decoded)
     [line] = axes.plot([], [], color=drawing.PUSHER, linewidth=1)
-    tee = Polygon(outlines[0], facecolor=(drawing.TEE, 0.7), edgecolor=drawing.TEE, linewidth=1.5, zorder=2)
-    pusher = Circle((0, 0), PUSHER_RADIUS, color=drawing.PUSHER, zorder=3)
-    for body in (tee, pusher):
-        axes.add_patch(body)
     label = axes.set_xlabel(" ")
 
-    def move(frame: int) -> None:
+    def move(frame: int) -> list[Artist]:
         now = min(frame, len(path) - 1)
         line.set_data(*path[: now + 1].T)
-        tee.set_xy(outlines[now])
-        pusher.set_center((path[now, 0], path[now, 1]))
         label.set_text(_outcome(rollout) if rollout.success and now < frame else f"{now / CONTROL_HZ:.1f} s")
+        return [line, *move_bodies(now), label]
 
     return move
 

@@ -33,7 +33,8 @@ type _Parts = dict[str, object]
 
 def render(content: Content, *, in_notebook: bool = False) -> str:
     """Return the whole page; in a notebook, whose reader may have to predict what they show, wrong readings wait."""
-    script, style = ((FOLDER / f"page.{kind}").read_text(encoding="utf-8") for kind in ("js", "css"))
+    script, base, own = (_read(name) for name in ("page.js", "base.css", "page.css"))
+    style = base + own
     inspection, reading = content.inspection, content.inspection.reading
     world = scene(content, reading) if reading and reading.poses else None
     return fill(
@@ -62,6 +63,10 @@ def render(content: Content, *, in_notebook: bool = False) -> str:
         features=_features(inspection),
         data=_json(script_data(content)),
     )
+
+
+def _read(name: str) -> str:
+    return (FOLDER / name).read_text(encoding="utf-8")
 
 
 def _csp_hash(text: str) -> str:

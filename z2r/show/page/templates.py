@@ -1,7 +1,7 @@
 """How do words get into a page? Through templates that escape whatever they are given.
 
-Markup is written in the templates beside this module and nowhere else. What is put into one is text: control
-characters are spelled out, then it is escaped. Only a filter in a template can say that something is markup.
+Markup is written in templates, beside this module or in another folder, and nowhere else. What is put into one is text:
+control characters are spelled out, then it is escaped. Only a filter in a template can say that something is markup.
 """
 
 from functools import cache
@@ -16,25 +16,25 @@ if TYPE_CHECKING:
 FOLDER = Path(__file__).parent
 
 
-def fill(template: str, **parts: object) -> str:
-    """Fill one of the templates.
+def fill(template: str, folder: Path = FOLDER, /, **parts: object) -> str:
+    """Fill one of the templates of a folder, which may use those beside this module.
 
     Raises
     ------
     jinja2.UndefinedError
         If it asks for a part that is not there.
     """
-    return _environment().get_template(template).render(parts)
+    return _environment(folder).get_template(template).render(parts)
 
 
 @cache
-def _environment() -> "Environment":
+def _environment(folder: Path) -> "Environment":
     from jinja2 import Environment, FileSystemLoader, StrictUndefined  # costs time that only a page should take
 
     return Environment(
         autoescape=True,
         finalize=_text,
-        loader=FileSystemLoader(FOLDER),
+        loader=FileSystemLoader([folder, FOLDER]),
         lstrip_blocks=True,
         trim_blocks=True,
         undefined=StrictUndefined,
