@@ -22,18 +22,22 @@
 # %% [markdown]
 # # Which way is the block pointing?
 #
-# Our dataset does not store the angle of the block. It stores the sine and the cosine of it, and you have to put the
-# two together again. One function does that. It takes two arguments, and if you pass them in the wrong order, nothing
-# complains. This page shows how to do it right, and what it looks like when somebody did not.
+# There is a tutorial in which you build a compass out of a small computer. In its first version north was up. In its
+# second, north was to the right, and the compass [turned the wrong
+# way](https://github.com/rust-embedded/discovery/pull/444). The code looked fine. It gave two arguments to one
+# function in the wrong order.
+#
+# The same function decodes the angles of robots.
 #
 # **By the end you can**
 #
-# - **explain** why one angle is stored as two numbers;
+# - **explain** why one angle is stored as two numbers, or as four;
 # - **decode** a yaw with `atan2(sin, cos)`, and say why neither half is enough;
 # - **compare** two yaws across the jump at 180°;
-# - **recognise** swapped arguments by what they do to the block.
+# - **convert** an angle between degrees, radians, sine and cosine, and a quaternion;
+# - **recognise** swapped arguments by what they do.
 #
-# 15 minutes. You need nothing but this page, and a little school trigonometry.
+# It takes 15 minutes. A little school trigonometry helps.
 
 # %% tags=["setup"]
 import importlib.util
@@ -56,35 +60,22 @@ from z2r.course.exercises import angles as practice
 from z2r.course.source import show_source
 
 # %% [markdown]
-# ## The two columns
+# ## Why two numbers for one angle
 #
-# The data holds six recordings of a robot, called *episodes*. In each, a round *pusher* shoves a block in the shape
-# of a T over a table and onto a target. Every tenth of a second is one *frame*, a row of the table. In each frame the
-# robot's *observation* is ten numbers, and the dataset gives each a name.
+# The *yaw* of the block is the angle by which it is turned, counter-clockwise. At 0° it lies as the target does, bar
+# on top. No column holds it. Two hold its sine and its cosine.
 
 # %%
 dataset = z2r.load(z2r.STANDIN)
 state = dataset.read("observation.state")
-print(*dataset.schema.features["observation.state"].dim_names)
-
-# %% [markdown]
-# `tee` is the block. Its *yaw* is the angle by which it is turned, seen from above and counted counter-clockwise. A
-# yaw of 0° means that the block is turned exactly as the target is: the bar of the T on top, the stem pointing down.
-#
-# There is no column `tee_yaw`. There are `sin_tee_yaw` and `cos_tee_yaw`. Do not count on your fingers where they
-# are: ask by name.
-
-# %%
 names = ["sin_tee_yaw", "cos_tee_yaw"]
-sin_column, cos_column = dataset.schema.columns("observation.state", names)
-print("sine in column", sin_column, "and cosine in column", cos_column)
+columns = dataset.schema.columns("observation.state", names)
+sines, cosines = state[dataset.episodes[0]][:, columns].T
+print(f"first frame: sin {sines[0]:+.3f}   cos {cosines[0]:+.3f}")
 
 # %% [markdown]
-# ## Why two numbers for one angle
-#
-# Because an angle jumps. Take two blocks, one turned to 179° and one to -179°. They look almost the same: turn the
-# first by 2° more and you pass 180°, which is the same direction as -180°, and arrive at the second. But as numbers,
-# they are far apart. Their sine and cosine are not.
+# Why not the angle itself? Because it jumps. A block at 179° and one at -179° point almost the same way: 2° more, and
+# the first is past 180°, where the second is. As numbers they are as far apart as can be.
 
 # %%
 print("apart, as numbers:", 179 - -179)
@@ -93,222 +84,41 @@ for degrees in (179, -179):
     print(f"{degrees:4}°   sin {math.sin(yaw):+.3f}   cos {math.cos(yaw):+.3f}")
 
 # %% [markdown]
-# The two angles differ by 358. The sines differ by 0.035, and the cosines not at all in three digits. So sine and
-# cosine change a little when the block turns a little, everywhere on the circle. The angle itself does not.
-#
-# Why does it matter? A policy is a neural network, and a network is a continuous function: inputs that are close give
-# outputs that are close. Here the yaw is an *input*, a part of the observation. As one number, two blocks that point
-# almost the same way would look to the network as different as two blocks can be.
-#
-# As an *output* it would be worse: the network would have to jump from one number to the other, and what it gives
-# lies in between. A usual loss (the squared error) even asks for this: where two answers are equally likely, the best
-# single answer is their mean. Here is the mean of both angles, and then the mean of both points.
+# Sine and cosine hardly differ. A policy is a network, and a network is continuous: what is close should look close
+# to it. And where it hesitates between two answers, it gives their mean.
 
 # %%
 two = np.deg2rad([179, -179])
 print("mean of the angles:", np.rad2deg(two.mean()))
-print(f"mean of sin and cos: {np.sin(two).mean():.3f} and {np.cos(two).mean():.3f}")
+mean_sin, mean_cos = np.sin(two).mean(), np.cos(two).mean()
+print(f"mean of sin and cos: {mean_sin:.3f}, {mean_cos:.3f}")
 
 # %% [markdown]
-# The mean of the angles is 0°: a block that points the other way. The mean of the sines and cosines is (0, -1),
-# which is the direction 180°, right between the two.
+# The mean of the angles points the other way. The mean of the points on the circle is right between the two, at 180°.
 #
-# ## Decode one frame by hand
+# ## Decode
 #
-# Think of a circle with radius 1. The yaw is a direction from its centre, and meets the circle at one point. The
-# **cosine** is how far this point is to the right. The **sine** is how far up it is. To find the direction of a
-# point, Python has `math.atan2`. It wants *up* first and *right* second: `atan2(sin, cos)`.
-#
-# Here is the first frame of episode 0.
+# Draw a circle with radius 1. The yaw is a direction from its centre. The **cosine** is how far its point is to the
+# right, the **sine** how far it is up. `atan2` finds the direction, and wants *up* first: `atan2(sin, cos)`.
 
 # %%
-episode = state[dataset.episodes[0]]
-sin_yaw, cos_yaw = episode[0, [sin_column, cos_column]].tolist()
-print(f"sin {sin_yaw:+.3f}   cos {cos_yaw:+.3f}")
-
-# %% [markdown]
-# Both are negative: the point is down and to the left. So the direction must lie between -180° and -90°. `atan2` says
-# where, in radians. 180 degrees are pi, or 3.142 radians.
-
-# %%
-yaw = math.atan2(sin_yaw, cos_yaw)
+yaw = math.atan2(sines[0], cosines[0])
 print(f"{yaw:.3f} rad, or {math.degrees(yaw):.1f}°")
+print(f"asin alone: {math.degrees(math.asin(sines[0])):.1f}°")
+print(f"acos alone: {math.degrees(math.acos(cosines[0])):.1f}°")
 
 # %% [markdown]
-# The block is almost upside down. `z2r.decode_yaw` does the same for all frames at once. Do they agree?
-
-# %%
-by_z2r = z2r.decode_yaw(episode[:, sin_column], episode[:, cos_column])
-print(f"by hand, z2r: {yaw:.3f} {by_z2r[0]:.3f}")
-
-# %% [markdown]
-# Here is the function, read from the installed package at this moment. The line on top is its address: the file, the
-# name, and a fingerprint that changes when the code does.
+# The block is almost upside down. Each half alone is wrong: `asin` cannot tell left from right, and `acos` cannot
+# tell up from down.
+#
+# `z2r.decode_yaw` does it for all frames at once. Here is its source, read from the package at this moment. The line
+# on top is its address, and a fingerprint that changes when the code does.
 
 # %%
 show_source(z2r.decode_yaw)
 
 # %% [markdown]
-# ## Why not one of them alone
-#
-# School knows two other ways from a sine or a cosine to an angle: `asin` (arcsine) and `acos` (arccosine). Each takes
-# one number. Try both on the same frame. The right answer is -165.2°.
-
-# %%
-print(f"asin: {math.degrees(math.asin(sin_yaw)):.1f}°")
-print(f"acos: {math.degrees(math.acos(cos_yaw)):.1f}°")
-
-# %% [markdown]
-# Both are wrong, in two ways. `asin` only ever answers between -90° and 90°: it cannot tell left from right. `acos`
-# only answers between 0° and 180°: it cannot tell up from down. Each loses half of the circle, because two directions
-# share each sine, and two share each cosine. Here are two with one sine.
-
-# %%
-for degrees in (30, 150):
-    yaw = math.radians(degrees)
-    print(f"{degrees:3}°   sin {math.sin(yaw):+.3f}   cos {math.cos(yaw):+.3f}")
-
-# %% [markdown]
-# The sine is the same, and only the sign of the cosine tells the two apart. That is why two numbers are stored, and
-# why the decoding must use both.
-#
-# ## Compare two yaws
-#
-# `atan2` answers between -180° and 180°. So once decoded, the jump is back. Episode 4 runs into it. Here are three
-# frames in a row, and the differences between them.
-
-# %%
-turning = state[dataset.episodes[4]]
-yaws = np.rad2deg(z2r.decode_yaw(turning[:, sin_column], turning[:, cos_column]))[26:29]
-print("yaw:       ", *yaws.round(1))
-print("difference:", *np.diff(yaws).round(1))
-
-# %% [markdown]
-# In a tenth of a second the block seems to turn by -350°. It did not. It turned by 10° and passed the jump: 350° one
-# way is 10° the other way. To repair it, *wrap* the difference: add or subtract whole turns until it lies between
-# -180° and 180°. The remainder operator `%` does this in one line. `% 360` alone would give 0 to 360, so the line
-# shifts by half a turn before, and back after.
-
-# %%
-by_hand = (np.diff(yaws) + 180) % 360 - 180
-print("wrapped:", *by_hand.round(1))
-
-# %% [markdown]
-# Now both steps are small. `z2r.wrap_angle` does the same in radians.
-
-# %%
-by_z2r = np.rad2deg(z2r.wrap_angle(np.diff(np.deg2rad(yaws))))
-print("by hand, z2r:", by_hand[0].round(1), by_z2r[0].round(1))
-show_source(z2r.wrap_angle)
-
-# %% [markdown]
-# Remember what gets wrapped: the **difference**. The yaws themselves, 171.8° and -178.2°, were both in range already.
-#
-# ## What a swap does
-#
-# Most people think of a point as x, then y. A spreadsheet does too: its `ATAN2` wants the cosine first. So sooner or
-# later somebody writes `atan2(cos, sin)` in Python. It runs. Each answer is a proper angle. What does it make of five
-# yaws?
-
-# %%
-for degrees in (0, 30, 45, 60, 90):
-    yaw = math.radians(degrees)
-    swapped = math.atan2(math.cos(yaw), math.sin(yaw))
-    print(f"{degrees:2}° is read as {math.degrees(swapped):2.0f}°")
-
-# %% [markdown]
-# It is tempting to say that a swap turns everything by 90°. Look again. 0° becomes 90°, and 30° becomes 60°. 45°
-# stays as it is, and 90° goes **back** to 0°. A turn would add the same angle to each. This is a *reflection*: the
-# swap makes `90° - yaw` of every yaw, so directions are mirrored about the line at 45°.
-#
-# The picture shows it for 30°. The solid blue ray is the right reading, and the orange ray is the swapped one. Each
-# has a T at its tip: the bar lies along the ray, and the stem points a quarter turn clockwise from it. The long grey
-# line through the centre is the mirror. The empty ring is where a turn by 90° would have gone.
-
-# %%
-figures.yaw_circle(sin_yaw=0.5, cos_yaw=0.866)
-
-# %% [markdown]
-# The two rays lie on both sides of the mirror, 15° from it each. Nothing went to the ring.
-#
-# A mirror also reverses every turn, like a clock seen in a mirror. Episode 1 shows it. Add up all the small turns of
-# the block, each wrapped, once for the right reading and once for the swapped one.
-
-# %%
-sines, cosines = state[dataset.episodes[1]][:, [sin_column, cos_column]].T
-for name, first, second in (("right", sines, cosines), ("swapped", cosines, sines)):
-    yaws = z2r.decode_yaw(first, second)
-    turned = z2r.wrap_angle(np.diff(yaws)).sum()
-    print(f"{name:8} turned by {np.rad2deg(turned):+.1f}°")
-
-# %% [markdown]
-# The block turned counter-clockwise, which is the plus sign. The swapped reading has it turn clockwise, by the same
-# amount.
-#
-# Here is that episode in both readings. A *reading* says which column means what: `z2r.PUSHT` is the right one, and
-# `yaw-swap` makes the wrong one of it. The positions are the same in both. Look at how the block is turned at the start
-# and at the end.
-
-# %%
-swapped = z2r.break_mode("yaw-swap").reading(z2r.PUSHT)
-one = state[dataset.episodes[1]]
-both = [z2r.decode(one, reading, dataset.schema) for reading in (z2r.PUSHT, swapped)]
-figures.right_and_wrong(*both)
-
-# %% [markdown]
-# On the left, the block comes to rest on the target. On the right, it ends in the same place, lying on its side. But
-# at the start, the two readings look much alike. Print both.
-
-# %%
-right, wrong = (np.rad2deg(z2r.decode_yaw(*pair)) for pair in ((sines, cosines), (cosines, sines)))
-for name, frame in (("start", 0), ("end", -1)):
-    print(f"{name:6} right {right[frame]:6.1f}°   swapped {wrong[frame]:6.1f}°")
-
-# %% [markdown]
-# The mirror line has two ends, 45° and -135°. At the start the yaw is -128.1°, near the second of them. A direction
-# close to the mirror hardly changes, and the readings differ by 14°. At the end the yaw is near 0°, and there the
-# reflection looks like a turn by a quarter. An episode that reaches the target always ends near 0°. That is where the
-# wrong idea of "90° off" comes from.
-#
-# How many of the six episodes reached the target, in each reading?
-
-# %%
-for name, reading in (("right", z2r.PUSHT), ("swapped", swapped)):
-    outcome = z2r.inspect_dataset(dataset, reading=reading).outcome
-    print(f"{name:8} {outcome.tally} reached")
-
-# %% [markdown]
-# Perfect data, and it looks worthless.
-#
-# ## A check that cannot see it
-#
-# A careful person might test that `sin² + cos² = 1` in every frame. It is a good test: it finds columns that are no
-# sine and cosine at all. Does it find the swap?
-
-# %%
-sines, cosines = state[:, [sin_column, cos_column]].T
-for name, first, second in (("right", sines, cosines), ("swapped", cosines, sines)):
-    squares = first**2 + second**2
-    print(f"{name:8} all within a millionth of 1: {np.allclose(squares, 1, rtol=0, atol=1e-6)}")
-
-# %% [markdown]
-# It cannot. A sum does not care about the order of its terms, and the order is all that was wrong. What did help was
-# to look at a picture. [Notebook 06](07_break_modes.ipynb) has a check that needs no eyes.
-#
-# ## Practice
-#
-# **Predict, then run.** A block is turned by 120°. Somebody decodes it with swapped arguments. Which yaw do they get,
-# in degrees between -180 and 180? Put the number in place of `None`. After your prediction you also see the picture.
-
-# %% tags=["exercise", "swap"]
-prediction = None
-practice.check_swap(prediction)
-
-
-# %% [markdown]
-# **Complete the line.** The function takes the sine and the cosine of a yaw, and must return the yaw in radians.
-# Replace the three dots. The check tries five yaws, from all around the circle. If one is wrong, it draws the block
-# as it is turned and as you have it.
+# **Complete the line.** Return the yaw in radians. It is tried on five yaws from all around the circle.
 
 
 # %% tags=["exercise", "decode"]
@@ -318,11 +128,39 @@ def decode(sin_yaw, cos_yaw):
 
 practice.check_decode(decode)
 
+# %% [markdown]
+# <details><summary>Hint</summary>
+#
+# `math.atan2` wants how far up first.
+#
+# </details>
+# <details><summary>Solution</summary>
+#
+# ```python
+# def decode(sin_yaw, cos_yaw):
+#     return math.atan2(sin_yaw, cos_yaw)
+# ```
+#
+# </details>
 
 # %% [markdown]
-# **Bug hunt.** The function below should say how far apart two yaws are, in radians, from 0 to pi. Its author knew
-# about the jump. From 10° to 40° it says 30°, which is right. From 179° to -179° it is wrong, though it does wrap.
-# Find the mistake and fix it.
+# ## Compare
+#
+# `atan2` answers between -180° and 180°, so the jump is back once an angle is decoded. Episode 4 runs into it.
+
+# %%
+turning = state[dataset.episodes[4]][:, columns].T
+yaws = np.rad2deg(z2r.decode_yaw(*turning))[26:29]
+print("yaw:       ", *yaws.round(1))
+print("difference:", *np.diff(yaws).round(1))
+print("wrapped:   ", *((np.diff(yaws) + 180) % 360 - 180).round(1))
+
+# %% [markdown]
+# No block turns by -350° in a tenth of a second. It turned by 10° and passed the jump. *Wrap* the difference: shift
+# it by half a turn, take the remainder, shift it back. `z2r.wrap_angle` does it in radians.
+#
+# **Bug hunt.** How far apart are two yaws, in radians, from 0 to pi? From 10° to 40° the function is right. From 179°
+# to -179° it is wrong, though it does wrap.
 
 
 # %% tags=["exercise", "turn"]
@@ -335,11 +173,155 @@ def apart(before, after):
 practice.check_turn(apart)
 
 # %% [markdown]
+# <details><summary>Hint</summary>
+#
+# 179° and -179° are both in range already. Which number is not?
+#
+# </details>
+# <details><summary>Solution</summary>
+#
+# ```python
+# def apart(before, after):
+#     return abs(z2r.wrap_angle(after - before))
+# ```
+#
+# </details>
+
+# %% [markdown]
+# ## One angle, four ways to write it
+#
+# The arm's joints are angles too. In which unit? Nobody says, but a joint turns by less than a whole turn, which is
+# 2π, or 6.28 radians.
+
+# %%
+arm = z2r.load(z2r.ARM)
+joints = arm.read("observation.state")
+joint_names = arm.schema.features["observation.state"].dim_names
+for name, values in zip(joint_names, joints.T, strict=True):
+    print(f"{name:18}{values.min():7.1f} to {values.max():6.1f}")
+
+# %% [markdown]
+# None of them can be radians. LeRobot also knows joints in percent of their range, from -100 to 100, but `wrist_roll`
+# goes beyond. That leaves degrees. The gripper is no angle at all: it is in percent, and 0 is closed. So says whoever
+# recorded it. The dataset does not.
+#
+# The other way round is harder: an elbow in radians looks just like a joint in degrees that hardly moves. [Your
+# dataset](08_your_dataset.ipynb) may hold one.
+#
+# Here is the elbow where it bends most, in the four ways that you will meet.
+
+# %%
+degrees = joints[:, joint_names.index("elbow_flex.pos")].max()
+angle = math.radians(degrees)
+print(f"degrees         {degrees:.1f}")
+print(f"radians         {angle:.3f}")
+print(f"sin, cos        {math.sin(angle):.3f} {math.cos(angle):.3f}")
+half = angle / 2
+print(f"quaternion xyzw 0 0 {math.sin(half):.3f} {math.cos(half):.3f}")
+
+# %% [markdown]
+# In space a body can turn about any axis, and a *quaternion* says how: x, y, z hold the axis, times the sine of
+# **half** the angle, and w the cosine of half of it. Half, because it is applied twice, once from each side. Its
+# order is a trap: some write x, y, z, w and others w, x, y, z. [A large
+# dataset](https://github.com/facebookresearch/projectaria_tools/issues/7) had w in the column named `qx`. Its own
+# reader had the order wrong as well, and so came out right.
+#
+# **Bug hunt.** Somebody's film shows the block turning twice as fast as it should. This function made the
+# quaternions.
+
+
+# %% tags=["exercise", "quaternion"]
+def quaternion(yaw):
+    return 0, 0, np.sin(yaw), np.cos(yaw)
+
+
+practice.check_quaternion(quaternion)
+
+# %% [markdown]
+# <details><summary>Hint</summary>
+#
+# Compare it with the last two lines of the cell above.
+#
+# </details>
+# <details><summary>Solution</summary>
+#
+# ```python
+# def quaternion(yaw):
+#     return 0, 0, np.sin(yaw / 2), np.cos(yaw / 2)
+# ```
+#
+# </details>
+
+# %% [markdown]
+# ## What a swap does
+#
+# Most people think of a point as x, then y. A spreadsheet does, too: its `ATAN2` wants the cosine first. So sooner or
+# later somebody writes `atan2(cos, sin)` in Python. It runs.
+
+# %%
+for degrees in (0, 30, 45, 60, 90):
+    yaw = math.radians(degrees)
+    swapped = math.atan2(math.cos(yaw), math.sin(yaw))
+    print(f"{degrees:2}° is read as {math.degrees(swapped):2.0f}°")
+
+# %% [markdown]
+# It looks like a turn by 90°, but a turn would add the same angle to each. 45° stays, and 90° goes **back** to 0°.
+# This is a *reflection*: the swap makes `90° - yaw` of every yaw. Below, solid blue is a yaw of 30° read right,
+# orange is the same yaw swapped, and the grey line between them is the mirror. The ring is where a turn by 90° would
+# have gone.
+
+# %%
+figures.yaw_circle(sin_yaw=0.5, cos_yaw=0.866)
+
+# %% [markdown]
+# In a mirror a clock runs backwards. So does the block of episode 1. Add up all its small turns.
+
+# %%
+pair = state[dataset.episodes[1]][:, columns].T
+for name, first, second in (("right", *pair), ("swapped", *pair[::-1])):
+    yaws = z2r.decode_yaw(first, second)
+    turned = z2r.wrap_angle(np.diff(yaws)).sum()
+    print(f"{name:8} turned by {np.rad2deg(turned):+6.1f}°,", end=" ")
+    print(f"from {np.rad2deg(yaws[0]):6.1f}° to {np.rad2deg(yaws[-1]):4.1f}°")
+
+# %% [markdown]
+# The block turned counter-clockwise; swapped, it turns clockwise by as much. At the start the two readings differ by
+# 14°, since -128° is close to the mirror's other end, -135°. At the end, near 0°, they differ by a quarter turn.
+# Every episode that reaches the target ends near 0°. That is where the wrong idea of "90° off" comes from.
+#
+# **Predict, then run.** A block at 120° is decoded with swapped arguments. Which yaw comes out, between -180 and 180
+# degrees?
+
+# %% tags=["exercise", "swap"]
+prediction = None
+practice.check_swap(prediction)
+
+# %% [markdown]
+# <details><summary>Hint</summary>
+#
+# A turn would make 210 of it, which is -150. The swap is no turn.
+#
+# </details>
+
+# %% [markdown]
+# ## A check that cannot see it
+#
+# A careful person tests that sin² + cos² = 1. It is a good test: it finds columns that are no sine and cosine at all.
+
+# %%
+for name, first, second in (("right", *pair), ("swapped", *pair[::-1])):
+    squares = first**2 + second**2
+    print(f"{name:8}", np.allclose(squares, 1, rtol=0, atol=1e-6))
+
+# %% [markdown]
+# A sum does not care about the order of its terms, and the order was all that was wrong.
+#
 # ## You can now
 #
 # - **explain** why an angle is stored as sine and cosine: they do not jump, and an angle does;
 # - **decode** it with both: `z2r.decode_yaw(sin, cos)`, the sine first;
 # - **compare** two yaws by their wrapped difference: `z2r.wrap_angle(after - before)`;
-# - **recognise** a swap: `90° - yaw`, a reflection, so 45° stays, and every turn goes the other way.
+# - **convert** it: 180 degrees are pi radians, and a quaternion holds the half;
+# - **recognise** a swap: `90° - yaw`, so 45° stays, and every turn goes the other way.
 #
 # Next: [How many reached the target?](04_hidden_success.ipynb) uses the yaw to find what no column says.

@@ -771,6 +771,8 @@ TURNED = changed(lambda picture: picture[::-1, ::-1])
 COVERED = changed(lambda picture: np.where(np.arange(SIZE[0])[:, None, None] < SIZE[0] // 3, 8, picture))
 ONE, ODD = r"in episode 3: found pictures ", r"in episodes 1, 3, 5: found pictures "
 THAN_EVEN = ", compared with those of episodes 0, 2, 4, 6, 7, expected"
+STRIPED = changed(lambda picture: np.where(np.arange(SIZE[1])[None, :, None] // 4 == 5, [255, 0, 255], picture))
+DARKER = changed(lambda picture: picture * 0.66)
 GREY = changed(lambda picture: picture.mean(axis=2, keepdims=True).repeat(3, 2))
 UNLIKE = {
     "upside down": (only(TURNED, 3), ONE + "upside down, compared with those of episodes 0, 1, 2, 4"),
@@ -779,10 +781,15 @@ UNLIKE = {
     "grey": (only(GREY, 3), ONE + "without colour"),
     "blurred": (only(changed(out_of_focus), 3), ONE + r"blurred, with \d+% of the sharpness"),
     "covered": (only(COVERED, 3), ONE + r"black in 3\d% of the picture"),
+    "a stripe": (only(STRIPED, 3), ONE + "with a stripe from edge to edge"),
 }
 SORTS = {
     "some upside down": (only(TURNED, 1, 3, 5), ODD + "upside down" + THAN_EVEN),
     "some blurred": (only(changed(out_of_focus), 1, 3, 5), ODD + r"blurred.*" + THAN_EVEN),
+    "some darker": (
+        only(changed(lambda picture: picture * 0.66), 1, 3, 5),
+        ODD + r"of a brightness of \d+ of 255, where \d+ is usual" + THAN_EVEN,
+    ),
     "some covered": (only(COVERED, 0, 1, 2, 4, 6), "in episodes 0, 1, 2, 4, 6: found pictures black in 3"),
     "moved": (only(changed(lambda picture: np.roll(picture, 20, 1)), 3), ONE + "of something else, compared with"),
 }

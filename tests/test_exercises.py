@@ -7,8 +7,10 @@ import contextlib
 import importlib.util
 import io
 import os
+import re
 from collections.abc import Iterator
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 
 import jupytext
@@ -18,6 +20,7 @@ from z2r.course.exercises._core import NOT_ATTEMPTED, NOT_YET, RIGHT
 
 TESTS = Path(__file__).parent
 NOTEBOOKS = sorted((TESTS.parent / "notebooks").glob("*.py"))
+FOLDED = re.compile(r"<details><summary>(\w+)</summary>\n\n(.*?)\n\n</details>", re.DOTALL)
 
 
 @cache
@@ -43,6 +46,14 @@ class _Cell:
 
     def __init__(self, cell) -> None:
         self.metadata, self.source = cell.metadata, cell.source
+
+
+@cache
+def unfolded(path: Path) -> dict[str, dict[str, str]]:
+    """What can be unfolded below each exercise, by its heading."""
+    cells = pairwise(jupytext.read(path).cells)
+    exercises = ((cell.metadata.get("tags", []), below.source) for cell, below in cells)
+    return {tags[1]: dict(FOLDED.findall(source)) for tags, source in exercises if tags[:1] == ["exercise"]}
 
 
 def run(source: str, names: dict) -> str:
@@ -93,8 +104,31 @@ def test_planted_wrong_answers_are_told_what_is_wrong(notebook):
             assert message in printed, printed
 
 
-def test_a_solution_is_nowhere_on_the_page(notebook):
+def test_after_a_wrong_prediction_there_is_another_question_that_can_be_answered(notebook):
+    path, names = notebook
+    for exercise in solutions(path.stem).values():
+        if "again" in exercise:
+            wrong, right = exercise["again"]
+            [first, *_] = exercise["wrong"].values()
+            assert "Another one: " in run(first[0], dict(names))
+            assert run(wrong, dict(names)).startswith(NOT_YET)
+            assert run(right, dict(names)).startswith(RIGHT)
+            assert "Another one: " not in run(wrong, dict(names)) + run(exercise["solution"], dict(names))
+
+
+def test_a_hint_and_a_solution_can_be_unfolded_and_the_solution_is_right(notebook):
+    path, names = notebook
+    cells = exercise_cells(path)
+    for name, folded in unfolded(path).items() if any(unfolded(path).values()) else ():
+        assert "Hint" in folded, name
+        if cells[name].lstrip().startswith("def "):
+            code = folded["Solution"].removeprefix("```python\n").removesuffix("\n```")
+            assert run(f"{code}\n{cells[name].splitlines()[-1]}", dict(names)).startswith(RIGHT), name
+
+
+def test_a_solution_is_on_the_page_only_where_it_is_unfolded(notebook):
     path, _ = notebook
-    on_the_page = {line.strip() for line in path.read_text().splitlines()}
+    prose = jupytext.read(path).cells
+    on_the_page = {line.strip() for cell in prose for line in FOLDED.sub("", cell.source).splitlines()}
     for exercise in solutions(path.stem).values():
         assert {line.strip() for line in exercise["solution"].splitlines()} - on_the_page

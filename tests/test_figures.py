@@ -196,8 +196,9 @@ def test_a_ribbon_has_a_segment_for_each_episode_as_long_as_it_is(n_episodes, ju
 
 
 def test_episodes_are_numbered_where_there_is_room():
-    episodes = z2r.EpisodeIndex(np.array([0, 100, 103]), np.array([100, 103, 200]))
-    assert [text.get_text() for text in figures.episode_ribbon(episodes).axes[0].texts] == ["0", "2"]
+    episodes = z2r.EpisodeIndex(np.array([0, 100, 103, 105]), np.array([100, 103, 105, 200]))
+    texts = figures.episode_ribbon(episodes).axes[0].texts
+    assert [(text.get_text(), text.get_rotation()) for text in texts] == [("0", 0), ("1", 90), ("3", 0)]
 
 
 @given(yaw=st.floats(-np.pi, np.pi))
@@ -320,3 +321,48 @@ def test_the_fit_of_an_action_is_drawn_for_every_number_of_frames_ahead():
     assert 99 < as_change[1] <= 100 * z2r.infer_action(DATASET)[1].explained
     with pytest.raises(ValueError, match="expected one of 2"):
         figures.action_fits(DATASET, 2)
+
+
+def test_moments_show_the_block_where_it_was_and_the_way_of_the_pusher_up_to_then():
+    figure = figures.moments(read(FIRST), n_moments=4)
+    frames = [int(axes.get_title(loc="left").removeprefix("frame ")) for axes in figure.axes]
+    assert frames[0] == 0
+    assert frames[-1] == len(FIRST) - 1
+    assert len(frames) == 4
+    for axes, frame in zip(figure.axes, frames, strict=True):
+        [outline] = outlines(axes, "block")
+        np.testing.assert_allclose(outline[[0, 1, 2, 7]].mean(axis=0), FIRST[frame, 2:4], atol=1e-6)
+        [path] = named(axes, "pusher path")
+        np.testing.assert_allclose(path.get_xydata(), FIRST[: frame + 1, :2])
+    assert png_size(figure) < 60_000
+
+
+def test_seams_lead_from_the_last_frame_of_an_episode_to_the_first_of_the_next():
+    state, episodes = DATASET.read(z2r.PUSHT.feature), DATASET.episodes
+    axes = figures.seams(read(state), episodes).axes[0]
+    drawn = [line.get_xydata() for line in named(axes, "seam")]
+    expected = [state[[after - 1, after], 2:4] for after in episodes.from_index[1:]]
+    np.testing.assert_allclose(drawn, expected)
+    paths = [line.get_xydata() for line in named(axes, "block path")]
+    np.testing.assert_allclose(np.concatenate(paths), state[:, 2:4])  # no path runs across a seam
+    assert [len(path) for path in paths] == episodes.lengths.tolist()
+    with pytest.raises(ValueError, match="expected two or more"):
+        figures.seams(read(FIRST), DATASET.first(1).episodes)
+
+
+def test_camera_pictures_are_those_of_the_video():
+    import av
+
+    arm, frames = z2r.load(z2r.ARM), [128, 129, 1880]  # on both sides of a seam, and the very last
+    panels = figures.camera_pictures(arm, frames).axes
+    titles = [axes.get_title(loc="left") for axes in panels]
+    assert titles == [f"{camera}, frame {frame:,}" for frame in frames for camera in ("front", "side")]
+    for column, camera in enumerate(("front", "side")):
+        [path] = (z2r.ARM / f"videos/observation.images.{camera}").rglob("*.mp4")
+        with av.open(str(path)) as video:
+            every = [picture.to_ndarray(format="rgb24") for picture in video.decode(video=0)]
+        for row, frame in enumerate(frames):
+            shown = panels[2 * row + column].images[0].get_array()
+            assert np.abs(shown.astype(int) - every[frame]).max() <= 2  # of 255: converted another way
+    with pytest.raises(ValueError, match="0 cameras"):
+        figures.camera_pictures(DATASET, [0])

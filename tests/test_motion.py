@@ -8,13 +8,16 @@ import numpy as np
 import pytest
 from arm_bench import NAMED, try_damage
 from arm_damages import KINDS, write_case
+from arms import ACTION, POS, STATE, make, write
 from framed import FRAMED
 from healthy import HEALTHY, write_healthy
 from hypothesis import given
 from hypothesis import strategies as st
 from robots import write_arm
+from test_scales import found
 
 import z2r
+from z2r.audits import relations
 from z2r.audits.following import Pair, fold_following
 from z2r.audits.steps import run_sums
 from z2r.reading.reading import ColumnMeaning
@@ -98,6 +101,58 @@ def test_a_column_beyond_its_declared_limits_is_named(tmp_path):
     low = dataset.read("observation.state")[:, 5].min()
     assert f"{low:.4g} percent" in found.found
     assert "at least 30" in found.expected
+
+
+def test_a_column_that_lies_higher_as_a_whole_is_a_note(tmp_path):
+    recording = make("so101", 0)
+    assert not found(recording, tmp_path / "right", "elsewhere")
+    span = np.median([np.ptp(own[STATE][:, 5]) for own in recording.episodes])
+    for name in (STATE, ACTION):
+        recording.episodes[3][name][:, 5] += 0.2 * span
+    said = found(recording, tmp_path / "dataset", "elsewhere")
+    [finding] = [each for each in said if "a first, a lowest and a highest value that are all higher" in each.found]
+    assert f"{STATE}[{POS[5]}] in episode 3" in finding.field
+    assert (finding.severity, finding.episodes) == ("note", (3,))
+
+
+def test_joints_whose_command_is_their_state_while_others_follow_are_named(tmp_path):
+    recording = make("so101", 0)
+    assert not found(recording, tmp_path / "right", "command")
+    own = recording.episodes[3]
+    own[ACTION][:, [1, 4]] = own[STATE][:, [1, 4]]
+    [finding] = found(recording, tmp_path / "dataset", "command")
+    assert f"the state of the same frame in action[{POS[1]}], action[{POS[4]}], bit for bit" in finding.found
+    assert finding.episodes == (3,)
+
+
+@pytest.mark.parametrize(
+    ("n_episodes", "frames", "why"),
+    [
+        (5, 60, "there are fewer than 6 episodes of 20 frames or more"),
+        (6, 60, ""),
+        (8, 19, "there are fewer than 6 episodes of 20 frames or more"),
+    ],
+)
+def test_it_is_said_why_no_column_was_held_against_the_others(n_episodes, frames, why, tmp_path):
+    recording = make("so101", 0)
+    recording.episodes[:] = [{name: own[name][:frames] for name in own} for own in recording.episodes[:n_episodes]]
+    write(recording, tmp_path / "dataset")
+    said = [each for each in z2r.audit(tmp_path / "dataset").not_checked if "goes with the others" in each]
+    assert said == ([f"whether each column goes with the others: {why}"] if why else [])
+
+
+def test_columns_of_too_many_episodes_are_not_held_against_each_other(tmp_path, monkeypatch):
+    write(make("so101", 0), tmp_path / "dataset")
+    monkeypatch.setattr(relations, "_NUMBERS", 1000)
+    assert any("so many columns are too many" in each for each in z2r.audit(tmp_path / "dataset").not_checked)
+
+
+def test_a_command_that_drives_no_column_is_listed(tmp_path):
+    recording = make("so101", 0)
+    recording.names[ACTION] = [*POS[:5], "claw"]
+    write(recording, tmp_path / "dataset")
+    [said] = [each for each in z2r.audit(tmp_path / "dataset").not_checked if "is followed" in each]
+    assert said == "whether action[claw] is followed: neither names nor a reading say which column it drives"
 
 
 def lagging(n: int, lag: int, factor: float, noise: float, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:

@@ -16,7 +16,8 @@ import z2r
 
 PACKAGE = Path(z2r.__file__).parent
 ROOT = PACKAGE.parent
-PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
+PROJECT = PYPROJECT["project"]
 LOCK = ROOT / "environment.lock"
 PINS = Path(__file__).with_name("colab-pins.txt")
 
@@ -145,6 +146,22 @@ def test_every_message_that_names_an_install_command_names_one_that_works_in_a_c
         assert set(re.findall(r"install '\.\[(\w+)\]'", text)) <= extras, path
 
 
+def test_the_links_of_the_readme_lead_somewhere_here_and_on_pypi():
+    text = (ROOT / "README.md").read_text()
+    beside = re.findall(r"\]\((?!https?:|#)([^)]+)\)", text)
+    assert beside
+    assert not [link for link in beside if not (ROOT / link).exists()]
+    for each in PYPROJECT["tool"]["hatch"]["metadata"]["hooks"]["fancy-pypi-readme"]["substitutions"]:
+        text = re.sub(each["pattern"], each["replacement"], text)
+    owner_and_name = PROJECT["urls"]["Repository"].removeprefix("https://github.com/")
+    whole = re.findall(r"\]\((https?:[^)]+)\)", text)
+    assert not re.search(r"\]\((?!https?:|#)", text)
+    for link in beside:
+        host = "raw.githubusercontent.com" if link.endswith(".png") else "github.com"
+        inside = "main" if link.endswith(".png") else "blob/main"
+        assert f"https://{host}/{owner_and_name}/{inside}/{link}" in whole
+
+
 def test_every_command_of_the_readme_says_which_python_and_which_uv():
     lines = re.findall(r"^    (.*\buvx? .*)$", (ROOT / "README.md").read_text(), re.MULTILINE)
     assert "--from '.[view]' --constraints environment.lock z2r inspect" in lines[0]
@@ -181,7 +198,7 @@ def test_the_extras_are_made_of_one_another():
     assert requirements("all") == requirements("view", "video", "remote")
     assert requirements("record") == requirements("sim") | {"lerobot"}
     assert requirements("train") == requirements("record") | {"torch"}
-    assert requirements("notebook") == requirements("view", "sim")
+    assert requirements("notebook") == requirements("view", "video", "sim")
     assert requirements("course") == requirements("notebook") | {"jupyterlab", "jupytext", "nbclient"}
 
 

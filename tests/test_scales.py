@@ -66,6 +66,14 @@ def test_another_unit_in_some_episodes_is_named_though_the_command_has_it_too(fa
         assert says in finding.mend
 
 
+def test_one_short_episode_hides_no_unit(tmp_path):
+    recording = make("so101", 0)
+    recording.episodes[0] = {name: values[:5] for name, values in recording.episodes[0].items()}
+    for name in (STATE, ACTION):
+        recording.episodes[2][name][:, 1] /= 100
+    assert {each.episodes for each in found(recording, tmp_path / "dataset", "unit")} == {(2,)}
+
+
 def test_a_joint_that_is_not_used_in_an_episode_has_no_other_unit(tmp_path):
     recording, rng = make("so101", 0), np.random.default_rng(5)
     for name in (STATE, ACTION):

@@ -74,6 +74,14 @@ def test_a_text_twice_or_empty_is_named(texts, severity, standin_copy):
     assert [(each.check, each.severity) for each in findings] == ([("task-text", severity)] if severity else [])
 
 
+@pytest.mark.parametrize(
+    ("text", "says"), [("TODO", True), ("test 2!", True), ("<task>", True), ("test the lamp", False)]
+)
+def test_a_text_that_says_nothing_is_a_note(text, says, standin_copy):
+    set_tasks(standin_copy, PUSH, text, of_episode={2: 1})
+    assert [(each.check, each.severity) for each in wrong_in(z2r.audit(standin_copy))] == [("task-typo", "note")] * says
+
+
 @pytest.mark.parametrize("texts", [(PUSH, PUSH), (PUSH, PUSH.upper()), (PUSH, " ")])
 def test_the_line_that_is_printed_mends_a_text(texts, standin_copy, monkeypatch):
     set_tasks(standin_copy, *texts, of_episode={2: 1})

@@ -7,7 +7,9 @@ EXERCISES = {
             "nothing changes": ("practice.check_yaw_swap(3)", "it is 0"),
             "one survives": ("practice.check_yaw_swap(1)", "you said 1"),
             "a word": ("practice.check_yaw_swap('none')", "you said 'none'"),
+            "a number in quotes": ("practice.check_yaw_swap('0')", "Write the number without the quotes"),
         },
+        "again": ("practice.check_yaw_swap(3, again=0)", "practice.check_yaw_swap(3, again=3)"),
     },
     "share-reached": {
         "solution": RATE.format("sum(reached) / len(reached)"),

@@ -23,6 +23,10 @@ EXERCISES = {
             "the bookkeeping forgotten": (_NUMBERS.format(12), "5 of the bookkeeping"),
             "the observation alone": (_NUMBERS.format(10), "2 of the action"),
         },
+        "again": (
+            "practice.check_numbers_in_a_frame(7, again=18)",
+            "practice.check_numbers_in_a_frame(7, again=23)",
+        ),
     },
     "values-of": {
         "solution": _VALUES_OF.format('return state[:, schema.columns("observation.state", [name])[0]]'),

@@ -34,6 +34,10 @@ EXERCISES = {
             "one episode that fails": (_WITHOUT.format("(1, 0)"), "11 of 14"),
             "one number": (_WITHOUT.format("1"), "two numbers are needed"),
         },
+        "again": (
+            "practice.check_without_index((14, 0.79), messy, again=(1, 0.95))",
+            "practice.check_without_index((14, 0.79), messy, again=(1, 0))",
+        ),
     },
     "cut": {
         "solution": _CUT.format("frames[start:stop]"),

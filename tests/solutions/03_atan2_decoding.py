@@ -1,6 +1,8 @@
 SWAP = "prediction = {}\npractice.check_swap(prediction)\n"
 DECODE = "def decode(sin_yaw, cos_yaw):\n    return {}\npractice.check_decode(decode)\n"
 TURN = "def apart(before, after):\n    {}\npractice.check_turn(apart)\n"
+QUATERNION = "def quaternion(yaw):\n    return 0, 0, {z}, {w}\npractice.check_quaternion(quaternion)"
+W_FIRST = QUATERNION.replace("0, 0, {z}, {w}", "np.cos(yaw / 2), 0, 0, np.sin(yaw / 2)")
 
 EXERCISES = {
     "swap": {
@@ -12,6 +14,7 @@ EXERCISES = {
             "no change": (SWAP.format("120"), "you said 120"),
             "no number": (SWAP.format("'mirrored'"), "you said 'mirrored'"),
         },
+        "again": ("practice.check_swap(210, again=45)", "practice.check_swap(210, again=-135)"),
     },
     "decode": {
         "solution": DECODE.format("math.atan2(sin_yaw, cos_yaw)"),
@@ -40,6 +43,23 @@ EXERCISES = {
             ),
             "nothing wrapped": (TURN.format("return abs(after - before)"), "179 and -179 degrees"),
             "a typing error": (TURN.format("return abs(wrap(after - before))"), "raised NameError"),
+        },
+    },
+    "quaternion": {
+        "solution": QUATERNION.format(z="np.sin(yaw / 2)", w="np.cos(yaw / 2)"),
+        "wrong": {
+            "half of one": (QUATERNION.format(z="np.sin(yaw / 2)", w="np.cos(yaw)"), "a yaw of 60 degrees"),
+            "twice": (QUATERNION.format(z="np.sin(yaw * 2)", w="np.cos(yaw * 2)"), "Of which angle"),
+            "swapped": (
+                QUATERNION.format(z="np.cos(yaw / 2)", w="np.sin(yaw / 2)"),
+                "expected (0, 0, 0.5, 0.866)",
+            ),
+            "half of the sine": (
+                QUATERNION.format(z="np.sin(yaw) / 2", w="np.cos(yaw) / 2"),
+                "got (0, 0, 0.433, 0.25)",
+            ),
+            "w first": (W_FIRST, "The order is x, y, z, w"),
+            "in degrees": (QUATERNION.format(z="np.rad2deg(yaw)", w="0"), "not yet"),
         },
     },
 }

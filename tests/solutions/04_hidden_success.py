@@ -19,6 +19,8 @@ BOTH = "math.hypot(dx, dy), abs(z2r.wrap_angle(tee_yaw - target_yaw))"
 REACHED = (
     "def my_episode_reached(pos_err, ang_err):\n    return {}\npractice.check_episode_reached(my_episode_reached)\n"
 )
+GOAL = "def my_goal():\n    return {}\npractice.check_arm_goal(my_goal, poses)\n"
+DISTANCE = GOAL.format('z2r.Goal(name="apart", distance=("cube", "goal"), within={})')
 LOOSER = "prediction = {}\npractice.check_looser(prediction)\n"
 
 EXERCISES = {
@@ -77,6 +79,32 @@ EXERCISES = {
             "no change": (LOOSER.format("11"), "you said 11, it is 13"),
             "one more": (LOOSER.format("12"), "a count belongs to its tolerances"),
             "all of them": (LOOSER.format("14"), "you said 14"),
+        },
+        "again": ("practice.check_looser(11, again=11)", "practice.check_looser(11, again=4)"),
+    },
+    "arm-goal": {
+        "solution": DISTANCE.format("0.03"),
+        "wrong": {
+            "too far": (DISTANCE.format("0.05"), "of the episodes 11 reached it without success"),
+            "too near": (DISTANCE.format("0.01"), "did not reach it, and were a success"),
+            "the height alone": (
+                GOAL.format('z2r.Goal(name="z", value="block_z", at_least=0.1)'),
+                "0, 1, 2, 3, 5, 6, 7 did not reach it",
+            ),
+            "the joints alone": (
+                GOAL.format('z2r.Goal(name="grip", value="observation.state/gripper.pos", at_least=25)'),
+                "4, 11 reached it without success",
+            ),
+            "a column that is elsewhere": (
+                GOAL.format('z2r.Goal(name="grip", value="gripper.pos", at_least=25)'),
+                "found no column gripper.pos",
+            ),
+            "no limit": (GOAL.format('z2r.Goal(name="apart", distance=("cube", "goal"))'), "found no limit"),
+            "a pose that is not there": (
+                GOAL.format('z2r.Goal(name="apart", distance=("block", "goal"), within=0.03)'),
+                "found block in goal apart",
+            ),
+            "a number": (GOAL.format("0.03"), "expected a z2r.Goal"),
         },
     },
 }

@@ -1,7 +1,6 @@
 SAME = "practice.predict_same_rows({})"
 TIME = "def sim_time(frame, fps):\n    return {}\npractice.check_sim_time(sim_time)"
-QUATERNION = "def quaternion(yaw):\n    return 0, 0, {z}, {w}\npractice.check_quaternion(quaternion)"
-W_FIRST = QUATERNION.replace("0, 0, {z}, {w}", "np.cos(yaw / 2), 0, 0, np.sin(yaw / 2)")
+FILM = "def video_time(frame_index, from_timestamp, fps):\n    return {}\npractice.check_video_time(video_time)"
 
 EXERCISES = {
     "same-rows": {
@@ -13,6 +12,10 @@ EXERCISES = {
             "a number": (SAME.format("1"), "you said 1"),
             "another word": (SAME.format("'x and y'"), "four answers: neither, yaw, position, both"),
         },
+        "again": (
+            "practice.predict_same_rows('yaw', again='position')",
+            "practice.predict_same_rows('yaw', again='both')",
+        ),
     },
     "sim-time": {
         "solution": TIME.format("frame / fps"),
@@ -24,21 +27,13 @@ EXERCISES = {
             "frames count from 1": (TIME.format("(frame + 1) / fps"), "got 6.8"),
         },
     },
-    "quaternion": {
-        "solution": QUATERNION.format(z="np.sin(yaw / 2)", w="np.cos(yaw / 2)"),
+    "video-time": {
+        "solution": FILM.format("from_timestamp + frame_index / fps"),
         "wrong": {
-            "half of one": (QUATERNION.format(z="np.sin(yaw / 2)", w="np.cos(yaw)"), "a yaw of 60 degrees"),
-            "twice": (QUATERNION.format(z="np.sin(yaw * 2)", w="np.cos(yaw * 2)"), "Of which angle"),
-            "swapped": (
-                QUATERNION.format(z="np.cos(yaw / 2)", w="np.sin(yaw / 2)"),
-                "expected (0, 0, 0.5, 0.866)",
-            ),
-            "half of the sine": (
-                QUATERNION.format(z="np.sin(yaw) / 2", w="np.cos(yaw) / 2"),
-                "got (0, 0, 0.433, 0.25)",
-            ),
-            "w first": (W_FIRST, "The order is x, y, z, w"),
-            "in degrees": (QUATERNION.format(z="np.rad2deg(yaw)", w="0"), "not yet"),
+            "the start alone": (FILM.format("from_timestamp"), "frame 100 of episode 1"),
+            "thirty is typed in": (FILM.format("from_timestamp + frame_index / 30"), "at 15 frames a second"),
+            "the start in frames": (FILM.format("(from_timestamp + frame_index) / fps"), "frame 0 of episode 1"),
+            "taken away": (FILM.format("frame_index / fps - from_timestamp"), "expected 4.3 and got -4.3"),
         },
     },
 }

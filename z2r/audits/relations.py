@@ -71,13 +71,15 @@ def keep_moments(schema: Schema, signals: Columns, starts: Ints, n_moments: int)
 
 def not_related(schema: Schema, n_episodes: int, parts: Sequence[NDArray[np.float32] | None]) -> str:
     """Say why no column is held against the others, of the moments that are kept of each file; empty where they are."""
-    if n_episodes >= _MIN_EPISODES and not moments_to_keep(schema, n_episodes):
+    few = f"there are fewer than {_MIN_EPISODES} episodes of {_MIN_FRAMES} frames or more"
+    if n_episodes < _MIN_EPISODES:
+        return few
+    if not moments_to_keep(schema, n_episodes):
         return f"{n_episodes:,} episodes of so many columns are too many"
     if {part.shape[-1] if part is not None else 0 for part in parts} - {_n_columns(schema)}:
         return "not all of them can be read"
     n_told = sum(int(_is_told(part).sum()) for part in parts if part is not None)
-    few = f"there are fewer than {_MIN_EPISODES} episodes of {_MIN_FRAMES} frames or more"
-    return few if min(n_told, n_episodes) < _MIN_EPISODES else ""
+    return few if n_told < _MIN_EPISODES else ""
 
 
 def _n_columns(schema: Schema) -> int:

@@ -184,6 +184,21 @@ def draw_world(axes: Axes, decoded: Decoded, n_moments: int) -> Floats:
     return outlines
 
 
+def draw_moment(axes: Axes, decoded: Decoded) -> Floats:
+    """Draw the bodies in the last of some frames, and the way that they came; return what was drawn, (n, 2)."""
+    bodies = bodies_to_draw(decoded)
+    goal, robot, moved = body_of_role(bodies, "goal"), robot_of(bodies), moved_of(bodies)
+    drawn = [] if goal is None else [draw_goal(axes, bodies[goal], decoded.pose(goal))]
+    last = select_frames(decoded.pose(moved), [len(decoded) - 1])
+    drawn += [*draw_bodies(axes, bodies[moved], last, TEE, bodies[moved].label, fill=0.25, linewidth=1.5)]
+    if robot is not None:
+        path = place(decoded.pose(robot))
+        axes.plot(*path.T, color=PUSHER, linewidth=1, gid=f"{bodies[robot].label} path")
+        _draw_robot(axes, bodies[robot], select_frames(decoded.pose(robot), [len(decoded) - 1]), [1])
+    corners: Floats = np.concatenate(drawn)
+    return corners
+
+
 def _draw_robot(axes: Axes, body: Body, pose: Pose, strength: Sequence[float]) -> None:
     if not body.disc:
         draw_bodies(axes, body, pose, PUSHER, body.label, strength)

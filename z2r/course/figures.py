@@ -19,10 +19,13 @@ from matplotlib.ticker import MaxNLocator
 from z2r.api import inspect_dataset
 from z2r.arrays import Bools, Floats
 from z2r.course import drawing
+from z2r.course.cameras import picture
 from z2r.course.field_guide import Change, by_kind
 from z2r.errors import count
+from z2r.format.about import short_names
 from z2r.format.dataset import Dataset
 from z2r.format.episodes import EpisodeIndex
+from z2r.format.videos import video_features
 from z2r.pusht.overlap import pusher_in_block
 from z2r.pusht.world import BODIES, PUSHT
 from z2r.reading.action import explained_by_frames, sample_of, sample_windows, sampled_features
@@ -35,6 +38,7 @@ from z2r.reading.reading import Reading
 from z2r.reading.success import FrameErrors, decisive_frame, in_tolerance
 
 _RIBBON_POINTS = 7.2 * 72  # about how wide the ribbon is on the page
+_UPRIGHT_POINTS = 6.5  # a narrower segment has no room for a number that stands on end either
 _NEAR = 0.1  # m: what is farther from the block than this says nothing about overlap
 _MAX_NUMBERS = 12  # more would hide what they number
 _MAX_CHECKS = 2  # names that fit in one cell
@@ -76,6 +80,107 @@ def episode_path(decoded: Decoded) -> Figure:
     moved = bodies[drawing.moved_of(bodies)].label
     moments = f"the {moved} at {count(len(outlines), 'moment')}, from light to strong"
     axes.set_title(f"{count(len(decoded), 'frame')} from above; {moments}\ndot: start, cross: end")
+    return figure
+
+
+@drawing.in_style
+def moments(decoded: Decoded, n_moments: int = 5) -> Figure:
+    """Draw one episode as a strip of moments: the bodies at each, and the way that they came.
+
+    Parameters
+    ----------
+    decoded : Decoded
+        The frames of the episode, at least one, from `z2r.decode`.
+    n_moments : int, optional
+        How many moments there are, where the body moves enough; at least two.
+
+    Raises
+    ------
+    ValueError
+        If there is no frame, or the reading has no pose.
+    """
+    bodies = drawing.bodies_to_draw(decoded)
+    moved = drawing.moved_of(bodies)
+    picked = drawing.pick_moments(decoded.pose(moved), bodies[moved], n_moments)
+    figure = drawing.new_figure(2.2 * len(picked), 2.6)
+    panels = figure.subplots(1, len(picked), sharex=True, sharey=True, squeeze=False)[0]
+    corners = []
+    for axes, frame in zip(panels, picked, strict=True):
+        corners += [*drawing.draw_moment(axes, decoded.take(slice(frame + 1)))]
+        axes.set_title(f"frame {frame}")
+    corners += [*drawing.place(decoded.pose(drawing.robot_of(bodies) or moved))]
+    for axes in panels:
+        drawing.set_frame(axes, decoded.reading, np.array(corners), margin=0.02, ratio=1)
+        axes.set(xlabel="", ylabel="", xticks=[], yticks=[])
+        axes.spines[:].set_visible(False)
+    return figure
+
+
+@drawing.in_style
+def seams(decoded: Decoded, episodes: EpisodeIndex) -> Figure:
+    """Draw the path of what is moved through all episodes, as if they were one, and where it leaps to the next.
+
+    Parameters
+    ----------
+    decoded : Decoded
+        The frames of all episodes.
+    episodes : EpisodeIndex
+        Where each of them ends; two or more.
+
+    Raises
+    ------
+    ValueError
+        If there are fewer than two episodes.
+    """
+    if len(episodes) < 2:
+        raise ValueError(f"found {count(len(episodes), 'episode')}, expected two or more")
+    figure = drawing.new_figure(6, 4.4)
+    axes = figure.subplots()
+    bodies = drawing.bodies_to_draw(decoded)
+    moved = drawing.moved_of(bodies)
+    path = drawing.place(decoded.pose(moved))
+    for episode in range(len(episodes)):
+        axes.plot(*path[episodes[episode]].T, color=drawing.TEE, linewidth=1.5, gid=f"{bodies[moved].label} path")
+    for before, after in zip(episodes.to_index[:-1] - 1, episodes.from_index[1:], strict=True):
+        ends = path[[before, after]]
+        axes.plot(*ends.T, color=drawing.WRONG, linestyle="--", linewidth=1.8, gid="seam")
+        drawing.write_label(axes, f"{after}", ends[1], ends[1] - ends[0], drawing.WRONG)
+    drawing.set_frame(axes, decoded.reading, path, margin=0.2 * float(np.ptp(path, axis=0).max()) or 1.0, ratio=1.4)
+    axes.set_title(f"solid: the {bodies[moved].label} moves, dashed: to the first frame of the next episode")
+    return figure
+
+
+@drawing.in_style
+def camera_pictures(dataset: Dataset, frames: Sequence[int]) -> Figure:
+    """Show what the cameras of a dataset saw in some frames, all side by side.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        From `z2r.load`, with at least one camera that is stored as video.
+    frames : sequence of int
+        Which frames of the dataset, at least one.
+
+    Raises
+    ------
+    DatasetError
+        If a video is missing or cannot be decoded.
+    MissingExtraError
+        If PyAV is not installed.
+    ValueError
+        If there is no frame, or no camera.
+    """
+    names = video_features(dataset.schema)
+    if not names or not len(frames):
+        raise ValueError(f"found {len(names)} cameras and {len(frames)} frames, expected one of each at least")
+    across = [(frame, name) for frame in frames for name in names]
+    figure = drawing.new_figure(2.6 * len(across), 2.3)
+    panels = figure.subplots(1, len(across), squeeze=False)[0]
+    labels = dict(zip(names, short_names(names), strict=True))
+    for axes, (frame, name) in zip(panels, across, strict=True):
+        axes.imshow(picture(dataset, name, frame), gid=name)
+        axes.set(title=f"{labels[name]}, frame {frame:,}", xticks=[], yticks=[])
+        axes.spines[:].set_visible(False)
     return figure
 
 
@@ -478,9 +583,10 @@ def _draw_segments(axes: Axes, episodes: EpisodeIndex, chosen: Bools, bottom: fl
     axes.broken_barh(spans, (bottom, 0.6), snap=False, gid="episodes", **style)
     halo = [withStroke(linewidth=4, foreground=color)]
     for number, (start, length), width in zip(np.flatnonzero(chosen).tolist(), spans, points, strict=True):
-        if width > 7 * len(f"{number}") + 4:
-            middle = (start + length / 2, bottom + 0.3)
-            axes.text(*middle, f"{number}", color="white", ha="center", va="center", path_effects=halo)
+        middle, fits = (start + length / 2, bottom + 0.3), width > 7 * len(f"{number}") + 4
+        if fits or width > _UPRIGHT_POINTS:
+            how: dict[str, Any] = {} if fits else {"rotation": 90, "size": 8}
+            axes.text(*middle, f"{number}", color="white", ha="center", va="center", path_effects=halo, **how)
 
 
 def _draw_yaw(axes: Axes, yaw: float, side: float, color: str, linestyle: str, what: str) -> None:

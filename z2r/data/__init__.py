@@ -31,6 +31,7 @@ ARM = Path(__file__).parent / "arm"
 SHIPPED = {"standin": STANDIN, "messy": MESSY, "arm": ARM}
 READINGS_DIR = Path(__file__).parent / "readings"  # of robots that people have: what their columns mean
 REPLAY_STILL = Path(__file__).parent / "replay_still.png"
+ARM_STILL = Path(__file__).parent / "arm_still.png"
 
 
 def find_dataset(dataset: str | os.PathLike[str] | None) -> Path:

@@ -32,24 +32,74 @@ class Case:
     args: tuple[Any, ...]
 
 
-def judge_prediction(prediction: object, truth: object, why: str) -> None:
-    """Compare a prediction with what happens, and only then say why.
+@dataclass(frozen=True)
+class Question:
+    """Something to predict.
+
+    Attributes
+    ----------
+    truth : object
+        What happens; floats are compared to within a percent.
+    why : str
+        The explanation, in a sentence or two: said with the answer, and only then.
+    asks : str
+        The question in words, where the page has not asked it.
+    """
+
+    truth: object
+    why: str
+    asks: str = ""
+
+
+def judge_prediction(
+    prediction: object, truth: object, why: str, second: Question | None = None, again: object = None
+) -> None:
+    """Compare a prediction with what happens, and only then say why; where it was wrong, ask another question.
 
     Parameters
     ----------
     prediction : object
         What the learner put in place of None.
-    truth : object
-        What happens; floats are compared to within a percent.
-    why : str
-        The explanation, in a sentence or two.
+    truth, why : object, str
+        As for `Question`.
+    second : Question, optional
+        What is asked of whoever was wrong: with what they know now, they can be right.
+    again : object, optional
+        The learner's answer to that.
     """
+    first = Question(truth, why)
+    if again is None or second is None or _is_right(prediction, first):
+        _judge(prediction, first)
+        if second is not None and _was_judged(prediction, first) and not _is_right(prediction, first):
+            print(f"Another one: {second.asks} Add your answer to the call, as again=..., and run the cell again.")
+    else:
+        _judge(again, second)
+
+
+def _judge(prediction: object, question: Question) -> None:
     if prediction is None or prediction is ...:
         print(f"{NOT_ATTEMPTED}: put your prediction in place of {prediction}, then run the cell again.")
-    elif _same(prediction, truth, rtol=0.01):
-        print(f"{RIGHT}: it is {truth}. {why}")
+    elif _is_right(prediction, question):
+        print(f"{RIGHT}: it is {question.truth}. {question.why}")
+    elif _was_judged(prediction, question):
+        print(f"{NOT_YET}: you said {prediction!r}, it is {question.truth}. {question.why}")
     else:
-        print(f"{NOT_YET}: you said {prediction!r}, it is {truth}. {why}")
+        print(f"{NOT_YET}: {prediction!r} is text. Write the number without the quotes.")
+
+
+def _is_right(prediction: object, question: Question) -> bool:
+    return _same(prediction, question.truth, rtol=0.01)
+
+
+def _was_judged(prediction: object, question: Question) -> bool:
+    """Whether there is a prediction, and it is not a number in quotes, which may be tried again."""
+    if isinstance(prediction, str) and not isinstance(question.truth, str):
+        try:
+            float(prediction)
+        except ValueError:
+            return True
+        return False
+    return prediction is not None and prediction is not ...
 
 
 def judge_function(

@@ -8,11 +8,12 @@ from matplotlib.figure import Figure
 
 from z2r.arrays import Floats
 from z2r.course import figures
-from z2r.course.exercises._core import NOT_YET, Case, judge_function, judge_prediction
-from z2r.reading.angles import decode_yaw, wrap_angle
+from z2r.course.exercises._core import NOT_YET, Case, Question, judge_function, judge_prediction
+from z2r.reading.angles import decode_yaw, wrap_angle, yaw_quaternions
 
 _PREDICTED_YAW = 120  # degrees: a quarter turn and a reflection make different angles of it
 _DECODED = (30, 150, -60, -165, 100)  # degrees: each quarter of the circle, and the first one where arcsin is right
+_TURNED = (60, -90, 150, -165, 0)  # degrees
 _TURNS = ((10, 40), (60, -50), (179, -179), (-170, 170), (100, -150), (200, -150))  # degrees
 
 # Ways from a sine and a cosine to an angle that give two yaws the same answer.
@@ -23,13 +24,15 @@ _HALVES: tuple[Callable[[float, float], Any], ...] = (
 )
 
 
-def check_swap(prediction: float | None) -> Figure | None:
+def check_swap(prediction: float | None, again: float | None = None) -> Figure | None:
     """Compare a prediction with what the swapped arguments make of a yaw of 120 degrees.
 
     Parameters
     ----------
     prediction : float or None
         The angle that comes out [degrees], in (-180, 180].
+    again : float, optional
+        The answer to the second question, which is asked of whoever was wrong.
 
     Returns
     -------
@@ -41,9 +44,13 @@ def check_swap(prediction: float | None) -> Figure | None:
     if isinstance(prediction, int | float) and abs(prediction) > 180 and not (prediction - truth) % 360:
         print(f"{NOT_YET}: right direction, but write it between -180 and 180.")
         return None
-    judge_prediction(
-        prediction, truth, f"The swap makes 90 - yaw of every yaw, and 90 - {_PREDICTED_YAW} = {truth:.0f}."
+    why = f"The swap makes 90 - yaw of every yaw, and 90 - {_PREDICTED_YAW} = {truth:.0f}."
+    second = Question(
+        -135.0,
+        "90 + 135 = 225, which is -135: the mirror has two ends, and this is the other one.",
+        "And a block at -135 degrees?",
     )
+    judge_prediction(prediction, truth, why, second, again)
     return figures.yaw_circle(sine, cosine) if isinstance(prediction, int | float) else None
 
 
@@ -101,6 +108,34 @@ def check_turn(function: Callable[..., Any]) -> None:
     )
 
 
+def check_quaternion(function: Callable[[float], object]) -> Figure | None:
+    """Try a function that turns a yaw into a quaternion.
+
+    Parameters
+    ----------
+    function : callable
+        The learner's: takes a yaw [rad], returns the four numbers x, y, z, w.
+
+    Returns
+    -------
+    Figure or None
+        The block as it should be turned and as the viewer would draw it, for the first yaw that went wrong.
+    """
+    cases = [Case(f"a yaw of {degrees} degrees", (float(np.deg2rad(degrees)),)) for degrees in _TURNED]
+    hint = "A quaternion does not hold the sine and the cosine of the yaw itself. Of which angle, then?"
+    if _begins_with_w(function):
+        hint = "The order is x, y, z, w. Which of these are 0, and at which end do they stand?"
+    wrong = judge_function(function, _quaternion, cases, hint, untouched=_quaternion_as_handed_out)
+    if wrong is None:
+        return None
+    (yaw,) = wrong.args
+    try:
+        _, _, z, w = np.asarray(function(yaw), dtype=float)
+        return figures.two_poses((0.0, 0.0, yaw), (0.0, 0.0, float(2 * np.arctan2(z, w))))
+    except (TypeError, ValueError):  # not four numbers: nothing to draw
+        return None
+
+
 def _agree(function: Callable[..., Any], other: Callable[..., Any], cases: Sequence[Case]) -> bool:
     """Whether two functions give the same number in every case."""
     try:
@@ -131,3 +166,20 @@ def _draw(expected: float, got: object) -> Figure | None:
         return figures.two_poses((0.0, 0.0, expected), (0.0, 0.0, float(np.asarray(got, dtype=float))))
     except (TypeError, ValueError):
         return None
+
+
+def _quaternion(yaw: float) -> Floats:
+    quaternion: Floats = yaw_quaternions(np.array([yaw]))[0]
+    return quaternion
+
+
+def _begins_with_w(function: Callable[[float], object]) -> bool:
+    try:
+        numbers = np.asarray(function(1.0), dtype=float)
+    except Exception:  # whatever the learner's code raises, the trials tell
+        return False
+    return numbers.shape == (4,) and bool(numbers[0]) and not numbers[1:3].any()
+
+
+def _quaternion_as_handed_out(yaw: float) -> Floats:
+    return np.array([0.0, 0.0, np.sin(yaw), np.cos(yaw)])

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from z2r.api import inspect_dataset, load
 from z2r.arrays import Ints
 from z2r.course import figures
-from z2r.course.exercises._core import NOT_YET, Case, judge_function, judge_prediction
+from z2r.course.exercises._core import NOT_YET, Case, Question, judge_function, judge_prediction
 from z2r.data import MESSY, STANDIN
 from z2r.format.dataset import Dataset
 from z2r.format.episodes import EpisodeIndex
@@ -73,7 +73,9 @@ def check_cut(function: Callable[..., Any]) -> Figure | None:
     return None if case is None else _last_frames(dataset, case.args[-1], function(*case.args))
 
 
-def check_without_index(prediction: tuple[int, float] | None, dataset: Dataset) -> None:
+def check_without_index(
+    prediction: tuple[int, float] | None, dataset: Dataset, again: tuple[int, float] | None = None
+) -> None:
     """Judge what somebody sees who ignores the episode index.
 
     Parameters
@@ -82,8 +84,10 @@ def check_without_index(prediction: tuple[int, float] | None, dataset: Dataset) 
         How many episodes, and which share of them reached the target, in [0, 1].
     dataset : Dataset
         What is read.
+    again : tuple of int and float, optional
+        The answer to the second question, which is asked of whoever was wrong.
     """
-    if prediction is not None and np.shape(prediction) != (2,):
+    if any(each is not None and np.shape(each) != (2,) for each in (prediction, again)):
         print(f"{NOT_YET}: two numbers are needed, how many episodes and which share of them, as in (14, 0.79).")
         return
     right = inspect_dataset(dataset).outcome
@@ -95,7 +99,13 @@ def check_without_index(prediction: tuple[int, float] | None, dataset: Dataset) 
         f"Read with the index, {right.n_reached} of {len(right.reached)} reached the target: "
         f"{right.share_reached:.2f}."
     )
-    judge_prediction(prediction, (len(wrong.episodes), wrong.outcome.share_reached), why)
+    second = Question(
+        (1, 0.0),
+        "The one episode that they see ends as the last one does, and 19 good ones do not count.",
+        "In a dataset of 20 episodes, 19 reached the target, and the last did not. What does somebody see who ignores"
+        " its index?",
+    )
+    judge_prediction(prediction, (len(wrong.episodes), wrong.outcome.share_reached), why, second, again)
 
 
 def _cut(frames: Ints, index: EpisodeIndex, episode: int) -> Ints:

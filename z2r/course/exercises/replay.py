@@ -8,36 +8,39 @@ from matplotlib.figure import Figure
 from z2r.api import load
 from z2r.arrays import Floats
 from z2r.course import figures
-from z2r.course.exercises._core import NOT_YET, Case, judge_function, judge_prediction
-from z2r.data import STANDIN
+from z2r.course.exercises._core import NOT_YET, Case, Question, judge_function, judge_prediction
+from z2r.data import ARM, STANDIN
+from z2r.format.videos import read_films
 from z2r.pusht.world import PUSHT
-from z2r.reading.angles import yaw_quaternions
 from z2r.reading.breaks import break_mode
 from z2r.reading.decode import decode
 from z2r.reading.reading import Reading
 
+_SHOWN = ((0, 0, 30), (0, 1, 30), (100, 1, 30), (60, 12, 30), (60, 12, 15))  # frame, episode, frames a second
 _ALIKE = ("neither", "yaw", "position", "both")
-_TURNS = (60, -90, 150, -165, 0)  # degrees
 _MOMENTS = ((67, 10), (0, 10), (426, 10), (90, 30), (7, 2.5))  # frame number, frames a second
 
 
-def predict_same_rows(prediction: str | None) -> Figure | None:
+def predict_same_rows(prediction: str | None, again: str | None = None) -> Figure | None:
     """Judge which rows of the block the learner expects to be alike in a right replay and in one with `yaw-swap`.
 
     Parameters
     ----------
     prediction : str or None
         ``position``, ``yaw``, ``both`` or ``neither``; None where there is no prediction yet.
+    again : str, optional
+        The answer to the second question, which is asked of whoever was wrong.
 
     Returns
     -------
     Figure or None
         The second episode in both readings, for a wrong prediction.
     """
-    said = prediction.strip().lower().removesuffix("s") if isinstance(prediction, str) else prediction
-    if said not in (None, ..., *_ALIKE):
-        print(f"{NOT_YET}: you said {prediction!r}, but there are four answers: {', '.join(_ALIKE)}.")
-        return None
+    said, said_again = _plain(prediction), _plain(again)
+    for answer, plain in ((prediction, said), (again, said_again)):
+        if plain not in (None, ..., *_ALIKE):
+            print(f"{NOT_YET}: you said {answer!r}, but there are four answers: {', '.join(_ALIKE)}.")
+            return None
     dataset = load(STANDIN)
     wrong = break_mode("yaw-swap").reading(PUSHT)
     state = dataset.read(PUSHT.feature)[dataset.episodes[1]]
@@ -48,12 +51,23 @@ def predict_same_rows(prediction: str | None) -> Figure | None:
 
     alike = [np.allclose(one, other) for one, other in zip(block(PUSHT), block(wrong), strict=True)]
     truth = _ALIKE[2 * alike[0] + alike[1]]
-    judge_prediction(said, truth, "The swap exchanges the sine and the cosine of the yaw. It does not touch x and y.")
+    second = Question(
+        "both",
+        "Every frame is where it was. What is lost is where one episode ends and the next begins.",
+        "Somebody ignores where episodes end, which is drop-boundaries, and writes the replay. What of the block is the"
+        " same, frame by frame?",
+    )
+    why = "The swap exchanges the sine and the cosine of the yaw. It does not touch x and y."
+    judge_prediction(said, truth, why, second, said_again)
     return (
         None
         if said in (None, ..., truth)
         else figures.right_and_wrong(*(decode(state, reading, dataset.schema) for reading in (PUSHT, wrong)))
     )
+
+
+def _plain(answer: object) -> object:
+    return answer.strip().lower().removesuffix("s") if isinstance(answer, str) else answer
 
 
 def check_sim_time(function: Callable[[int, float], object]) -> None:
@@ -69,46 +83,27 @@ def check_sim_time(function: Callable[[int, float], object]) -> None:
     judge_function(function, lambda frame, fps: frame / fps, cases, hint)
 
 
-def check_quaternion(function: Callable[[float], object]) -> Figure | None:
-    """Try a function that turns a yaw into a quaternion.
+def check_video_time(function: Callable[[int, float, float], object]) -> None:
+    """Try a function that says at which second of a camera's film a frame is shown.
 
     Parameters
     ----------
     function : callable
-        The learner's: takes a yaw [rad], returns the four numbers x, y, z, w.
-
-    Returns
-    -------
-    Figure or None
-        The block as it should be turned and as the viewer would draw it, for the first yaw that went wrong.
+        The learner's: takes the number of a frame in its episode, when the episode begins in the film [s], and the
+        frames a second; returns the time [s].
     """
-    cases = [Case(f"a yaw of {degrees} degrees", (float(np.deg2rad(degrees)),)) for degrees in _TURNS]
-    hint = "A quaternion does not hold the sine and the cosine of the yaw itself. Of which angle, then?"
-    if _begins_with_w(function):
-        hint = "The order is x, y, z, w. Which of these are 0, and at which end do they stand?"
-    wrong = judge_function(function, _quaternion, cases, hint, untouched=_quaternion_as_handed_out)
-    if wrong is None:
-        return None
-    (yaw,) = wrong.args
-    try:
-        _, _, z, w = np.asarray(function(yaw), dtype=float)
-        return figures.two_poses((0.0, 0.0, yaw), (0.0, 0.0, float(2 * np.arctan2(z, w))))
-    except (TypeError, ValueError):  # not four numbers: nothing to draw
-        return None
-
-
-def _quaternion(yaw: float) -> Floats:
-    quaternion: Floats = yaw_quaternions(np.array([yaw]))[0]
-    return quaternion
-
-
-def _begins_with_w(function: Callable[[float], object]) -> bool:
-    try:
-        numbers = np.asarray(function(1.0), dtype=float)
-    except Exception:  # whatever the learner's code raises, the trials tell
-        return False
-    return numbers.shape == (4,) and bool(numbers[0]) and not numbers[1:3].any()
-
-
-def _quaternion_as_handed_out(yaw: float) -> Floats:
-    return np.array([0.0, 0.0, np.sin(yaw), np.cos(yaw)])
+    arm = load(ARM)
+    film = next(iter(read_films(arm.root, arm.schema, arm.episodes).value.values()))
+    starts = film.time[arm.episodes.from_index].round(6).tolist()
+    cases = [
+        Case(f"frame {frame} of episode {episode} at {fps:g} frames a second", (frame, starts[episode], fps))
+        for frame, episode, fps in _SHOWN
+    ]
+    hint = "Count from where the episode begins in the film."
+    judge_function(
+        function,
+        lambda frame_index, from_timestamp, fps: from_timestamp + frame_index / fps,
+        cases,
+        hint,
+        untouched=lambda frame_index, from_timestamp, fps: frame_index / fps,
+    )

@@ -1,6 +1,7 @@
 """Exercises of `01_schema`."""
 
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
 import msgspec
@@ -10,8 +11,8 @@ from matplotlib.figure import Figure
 from z2r.api import load
 from z2r.arrays import Array
 from z2r.course import figures
-from z2r.course.exercises._core import Case, judge_function, judge_prediction
-from z2r.data import STANDIN
+from z2r.course.exercises._core import Case, Question, judge_function, judge_prediction
+from z2r.data import ARM, STANDIN
 from z2r.format.schema import ACTION, BOOKKEEPING, STATE, Schema
 from z2r.pusht.world import PUSHT
 from z2r.reading.decode import decode
@@ -19,19 +20,34 @@ from z2r.reading.decode import decode
 _EVERY = 30  # frames: few enough rows that an answer can be printed, and the block has moved between them
 
 
-def check_numbers_in_a_frame(prediction: int | None) -> None:
+def check_numbers_in_a_frame(prediction: int | None, again: int | None = None) -> None:
     """Judge how many numbers one frame holds, over all features.
 
     Parameters
     ----------
     prediction : int or None
         What the learner put in place of None.
+    again : int, optional
+        The answer to the second question, which is asked of whoever was wrong.
     """
-    schema = load(STANDIN).schema
-    sizes = {name: feature.size for name, feature in schema.features.items()}
+    sizes = _sizes(STANDIN)
     bookkeeping = sum(sizes[name] for name in BOOKKEEPING)
     why = f"{sizes[STATE]} of the state, {sizes[ACTION]} of the action and {bookkeeping} of the bookkeeping."
-    judge_prediction(prediction, sum(sizes.values()), why)
+    of_arm = _sizes(ARM)
+    others = sum(of_arm.values()) - bookkeeping
+    second = Question(
+        sum(of_arm.values()),
+        f"{others} of what it saw and did, and {bookkeeping} of the bookkeeping, as everywhere.",
+        "A frame of the arm has six joints, six numbers of the simulator, an action for each joint, and the same"
+        " bookkeeping. How many numbers are that, without the pictures?",
+    )
+    judge_prediction(prediction, sum(sizes.values()), why, second, again)
+
+
+def _sizes(root: Path) -> dict[str, int]:
+    """How many numbers each feature has, without pictures."""
+    features = load(root).schema.features
+    return {name: feature.size for name, feature in features.items() if feature.is_numeric}
 
 
 def check_values_of(function: Callable[..., Any]) -> None:

@@ -5,25 +5,35 @@ from collections.abc import Callable
 import numpy as np
 
 from z2r.api import inspect_dataset, load
-from z2r.course.exercises._core import Case, judge_function, judge_prediction
+from z2r.course.exercises._core import Case, Question, judge_function, judge_prediction
 from z2r.data import STANDIN
 from z2r.reading.breaks import break_mode
 
 
-def check_yaw_swap(prediction: int | None) -> None:
+def check_yaw_swap(prediction: int | None, again: int | None = None) -> None:
     """Judge a prediction of how many of the first three episodes seem to reach the target under `yaw-swap`.
 
     Parameters
     ----------
     prediction : int or None
         0 to 3; None where nobody has predicted yet.
+    again : int, optional
+        The answer to the second question, which is asked of whoever was wrong.
     """
     outcome = inspect_dataset(load(STANDIN).first(3), break_mode("yaw-swap")).outcome
     assert outcome is not None
     judge_prediction(
         prediction,
         outcome.n_reached,
-        "A block that lies on the target has a yaw near 0. The swap reads that as 90 degrees, far out of tolerance.",
+        "The swap makes 90 degrees minus the yaw of every yaw. A block on the target has a yaw near 0, and so it seems"
+        " to lie at 90, far out of tolerance.",
+        Question(
+            3,
+            "45 degrees is the one direction that the swap leaves alone: 90 - 45 = 45.",
+            "Suppose that the target had a yaw of 45 degrees, and each block ended on it, at 45 degrees too. How many"
+            " of the three would seem to reach it?",
+        ),
+        again,
     )
 
 

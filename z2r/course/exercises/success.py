@@ -8,30 +8,37 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from z2r.api import load
+from z2r.api import inspect_dataset, load
 from z2r.arrays import Array, Floats
 from z2r.course import figures
-from z2r.course.exercises._core import Case, judge_function, judge_prediction
-from z2r.data import MESSY, STANDIN
+from z2r.course.exercises._core import NOT_ATTEMPTED, NOT_YET, RIGHT, Case, Question, judge_function, judge_prediction
+from z2r.data import ARM, MESSY, STANDIN
 from z2r.format.dataset import Dataset
 from z2r.pusht.world import PUSHT
 from z2r.reading.angles import decode_yaw, wrap_angle
 from z2r.reading.decode import decode, named_columns
+from z2r.reading.goal import Goal
+from z2r.reading.poses import PoseColumns
+from z2r.reading.reading import Reading
 from z2r.reading.success import FrameErrors, frame_errors, in_tolerance
+from z2r.reading.verdict import read_verdict
 
-_LOOSER_POS_TOL = 0.04  # m
+_LOOSER_POS_TOL, _STRICTER_POS_TOL = 0.04, 0.01  # m
+_GOAL_HINT = "What should be near what, and how near?"
 _OTHER_TARGET = {"target_x": 0.1, "target_y": -0.05, "sin_target_yaw": 0.28, "cos_target_yaw": -0.96}
 
 type _Frame = dict[str, float]
 
 
-def check_looser(prediction: int | None) -> Figure | None:
+def check_looser(prediction: int | None, again: int | None = None) -> Figure | None:
     """Compare a prediction with how many episodes of `messy` are read as reached within 0.04 m instead of 0.03 m.
 
     Parameters
     ----------
     prediction : int or None
         Number of episodes.
+    again : int, optional
+        The answer to the second question, which is asked of whoever was wrong.
 
     Returns
     -------
@@ -40,15 +47,20 @@ def check_looser(prediction: int | None) -> Figure | None:
     """
     dataset, state = _read(MESSY)
     last = state[dataset.episodes.to_index - 1]
-    looser = PUSHT.with_goal("pos_err", within=_LOOSER_POS_TOL)
-    before, after = (
+    looser, stricter = (PUSHT.with_goal("pos_err", within=limit) for limit in (_LOOSER_POS_TOL, _STRICTER_POS_TOL))
+    before, after, with_stricter = (
         int(in_tolerance(frame_errors(decode(last, reading, dataset.schema)), reading).sum())
-        for reading in (PUSHT, looser)
+        for reading in (PUSHT, looser, stricter)
     )
     why = (
         f"Within {PUSHT.goal[0].within} m it is {before}. Not one frame has changed: a count belongs to its tolerances."
     )
-    judge_prediction(prediction, after, why)
+    second = Question(
+        with_stricter,
+        "Of those that are near enough, all are turned by less than 0.2 rad.",
+        f"And within {_STRICTER_POS_TOL} m?",
+    )
+    judge_prediction(prediction, after, why, second, again)
     return figures.final_poses(dataset, looser) if isinstance(prediction, int) else None
 
 
@@ -121,6 +133,47 @@ def check_episode_reached(function: Callable[..., Any]) -> Figure | None:
     if wrong is None:
         return None
     return figures.error_traces(dict(zip(solved, wrong.args, strict=True)), PUSHT, _read(STANDIN)[0].schema.fps)
+
+
+def check_arm_goal(function: Callable[[], Any], poses: dict[str, PoseColumns]) -> None:
+    """Compare what a learner's goal says of the arm with its verdict, episode by episode.
+
+    Parameters
+    ----------
+    function : callable
+        The learner's: returns a `z2r.Goal`.
+    poses : dict of str to PoseColumns
+        What the goal can name; columns are those of ``observation.environment_state``.
+    """
+    try:
+        goal = function()
+        if goal is None or goal is ...:
+            print(f"{NOT_ATTEMPTED}: return a z2r.Goal from the function in this cell, then run the cell again.")
+        else:
+            print(_said_of_goal(goal, poses))
+    except Exception as error:  # whatever the learner's code raises is an answer, not a crash
+        print(f"{NOT_YET}: your function raised {type(error).__name__}: {error}. {_GOAL_HINT}")
+
+
+def _said_of_goal(goal: object, poses: dict[str, PoseColumns]) -> str:
+    if not isinstance(goal, Goal):
+        return f"{NOT_YET}: your function returned {goal!r}, expected a z2r.Goal."
+    arm, recording = load(ARM), read_verdict(ARM)
+    reading = Reading(feature="observation.environment_state", poses=poses, goal=(goal,))
+    if missing := reading.missing(arm.schema):
+        return f"{NOT_YET}: found no column {', '.join(missing)}. One of another feature is observation.state/NAME."
+    outcome = inspect_dataset(arm, reading=reading).outcome
+    assert outcome is not None
+    assert recording is not None
+    success = np.array([episode.success for episode in recording.episodes])
+    apart = {
+        "reached it without success": outcome.reached & ~success,
+        "did not reach it, and were a success": ~outcome.reached & success,
+    }
+    said = [f"{', '.join(map(str, np.flatnonzero(each)))} {what}" for what, each in apart.items() if each.any()]
+    if said:
+        return f"{NOT_YET}: by your goal, of the episodes {' and '.join(said)}. {_GOAL_HINT}"
+    return f"{RIGHT}: reached and success agree in all {len(success)} episodes."
 
 
 @cache
