@@ -123,7 +123,7 @@ def test_the_readme_opens_with_what_was_measured():
     """To write the picture anew, write the bytes of this film."""
     made = rollouts.film({title: read_rollout(row) for title, row in rollouts.WALL.items()}, seconds=11)
     pictures = [Image.open(file) for file in (io.BytesIO(made), ROOT / ".github/cost.png")]
-    new, shipped = ([np.asarray(each.convert("RGB"), int) for each in ImageSequence.Iterator(film)] for film in pictures)
+    new, shipped = ([np.asarray(each.convert("RGB"), int) for each in ImageSequence.Iterator(one)] for one in pictures)
     assert len(new) == len(shipped)
     assert all(np.abs(one - other).mean() < 1 for one, other in zip(new, shipped, strict=True))
     [opening] = re.findall(r"while\nthe policy learned: (.*?)\n\n", (ROOT / "README.md").read_text(), re.DOTALL)

@@ -34,7 +34,7 @@ if (view) {
   });
   const gone = svg("g", {}, ghost, way);
   movers.push(stage(bodies, view, gone), (at) => gone.setAttribute("visibility", at === leap ? "visible" : "hidden"));
-} else if (pictures.length) {
+} else {
   movers.push((at) => {
     byId("camera").src = pictures[at];
   });

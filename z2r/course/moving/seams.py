@@ -3,35 +3,30 @@
 import base64
 import io
 import os
-from collections.abc import Iterator
-from itertools import islice
 
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 from PIL import Image
 
 from z2r.api import choose_reading, load
 from z2r.arrays import Floats
 from z2r.course import animated, drawing
+from z2r.course.cameras import picture
+from z2r.course.figures import camera_pictures
 from z2r.course.moving.bodies import bodies_in, rounded, square_around
 from z2r.course.moving.picture import MovingPicture, make, new_still
 from z2r.format.dataset import Dataset
-from z2r.format.decoding import can_decode, decode_clip
 from z2r.format.schema import STATE
+from z2r.format.videos import video_features
 from z2r.reading.decode import Decoded, decode, features_of
-from z2r.reading.inspection import inspect_dataset
 from z2r.reading.reading import Reading
-from z2r.show.page.films import Clip, read_films
 
 _FRAMES = 10  # on each side of the end
 _PICTURES = 6  # the same, where cameras saw it: these take more room
-_WIDTH = 200  # of what a camera saw [pixels]
 _QUALITY = 75
 _MILLISECONDS = 400
-_ALL = 2**31  # bytes
 
 
 def seam(dataset: Dataset | str | os.PathLike[str] = "standin", episode: int = 0) -> MovingPicture:
@@ -48,8 +43,10 @@ def seam(dataset: Dataset | str | os.PathLike[str] = "standin", episode: int = 0
     ------
     DatasetError
         If a file is missing, damaged, or not what the schema and the index say.
+    MissingExtraError
+        If there is a film to show, and PyAV is not installed.
     ValueError
-        If there is no such episode, or it is the last.
+        If there is no such episode, or it is the last; or it has neither bodies nor a film.
 
     Examples
     --------
@@ -60,8 +57,10 @@ def seam(dataset: Dataset | str | os.PathLike[str] = "standin", episode: int = 0
     if not 0 <= episode < len(dataset.episodes) - 1:
         raise ValueError(f"found episode {episode}, expected one of {len(dataset.episodes)} that is not the last")
     reading = choose_reading(dataset.schema)
-    if reading and reading.poses:
+    if reading and reading.poses and not reading.missing(dataset.schema):
         return _from_above(dataset, reading, episode)
+    if not video_features(dataset.schema):
+        raise ValueError("found neither poses in a reading nor a video, expected one of them to show")
     return _filmed(dataset, episode)
 
 
@@ -125,66 +124,29 @@ def _still_from_above(decoded: Decoded, steps: Floats, first: int, end: int, epi
 
 
 def _filmed(dataset: Dataset, episode: int) -> MovingPicture:
-    """Show what the cameras saw, if it can be decoded, and how far the joint went that went farthest."""
+    """Show what the cameras saw, and how far the joint went that went farthest."""
     frames = _around(dataset, episode, _PICTURES)
     changes = np.abs(np.diff(dataset.read(STATE)[frames].astype(np.float64), axis=0))
     steps, labels = changes.max(axis=1), dataset.schema.features[STATE].labels
-    pictures = _pictures(dataset, episode, frames)
+    farthest = zip(changes.argmax(axis=1), steps, strict=True)
     data: dict[str, object] = {
         "first": frames.start,
-        "pictures": [_webp(each) for each in pictures],
+        "pictures": [_seen(dataset, frame) for frame in range(frames.start, frames.stop)],
         "steps": rounded(steps),
-        "said": [
-            f"{labels[joint]} changed by {step:.1f}, more than any other"
-            for joint, step in zip(changes.argmax(axis=1), steps, strict=True)
-        ],
+        "said": [f"{labels[joint]} changed by {step:.1f}, more than any other" for joint, step in farthest],
     }
     says = "Scrub across the end, with the slider or along the bars. What happened between the two frames?"
-    end = int(dataset.episodes.to_index[episode])
-    pair = pictures[end - frames.start - 1 :][:2]
-    still = _still_of_cameras(pair, steps, frames.start, end, _title(episode))
-    return _make(dataset, episode, says, data, still)
+    end, still = int(dataset.episodes.to_index[episode]), io.BytesIO()
+    camera_pictures(dataset, [end - 1, end]).savefig(still, format="png")
+    return _make(dataset, episode, says, data, still.getvalue())
 
 
-def _pictures(dataset: Dataset, episode: int, frames: slice) -> list[Image.Image]:
-    """Decode what all cameras saw in some frames of an episode and the next one, side by side."""
-    if not can_decode():
-        return []
-    inspection = inspect_dataset(dataset)
-    pair = dataset.episodes.only(np.isin(np.arange(len(dataset.episodes)), (episode, episode + 1)))
-    end = int(dataset.episodes.to_index[episode])
-    before, after = end - frames.start, frames.stop - end
-    clips = [film.clips for film in read_films(inspection, pair, _ALL) if len(film.clips) == 2]
-    fps = dataset.schema.fps
-    strips = [
-        [*_decoded(one, one.n_frames - before, before, fps), *_decoded(other, 0, after, fps)] for one, other in clips
-    ]
-    return [Image.fromarray(np.concatenate(row, axis=1)) for row in zip(*strips, strict=True)]
-
-
-def _decoded(clip: Clip, frame: int, n_frames: int, fps: float) -> Iterator[NDArray[np.uint8]]:
-    return islice(decode_clip(clip.data, clip.offset + frame / fps, 1 / fps, _WIDTH), n_frames)
-
-
-def _webp(picture: Image.Image) -> str:
+def _seen(dataset: Dataset, frame: int) -> str:
+    """Return what all cameras saw in a frame, side by side, as an address that holds the picture itself."""
+    pictures = [picture(dataset, camera, frame) for camera in video_features(dataset.schema)]
     made = io.BytesIO()
-    picture.save(made, "WEBP", quality=_QUALITY, method=6)
+    Image.fromarray(np.concatenate(pictures, axis=1)).save(made, "WEBP", quality=_QUALITY, method=6)
     return f"data:image/webp;base64,{base64.b64encode(made.getvalue()).decode()}"
-
-
-@drawing.in_style
-def _still_of_cameras(pair: list[Image.Image], steps: Floats, first: int, end: int, title: str) -> bytes:
-    """Show the last picture of one episode and the first of the next; without them, how far things moved."""
-    figure = new_still(title, 2.4)
-    if not pair:
-        _draw_steps(figure.subplots(), steps, first, end)
-    for number, (picture, what) in enumerate(zip(pair, ("the last", "the first"), strict=False), 1):
-        axes = figure.add_subplot(1, 2, number)
-        axes.imshow(np.asarray(picture))
-        axes.set(title=f"frame {end - 2 + number}: {what}", xticks=[], yticks=[])
-    made = io.BytesIO()
-    figure.savefig(made, format="png")
-    return made.getvalue()
 
 
 def _draw_steps(axes: Axes, steps: Floats, first: int, end: int) -> None:
