@@ -1,7 +1,7 @@
 # ---
 # jupyter:
 #   jupytext:
-#     cell_metadata_filter: tags,-all
+#     cell_metadata_filter: tags,jupyter,cellView,-all
 #     formats: ipynb,py:percent
 #     notebook_metadata_filter: -jupytext.text_representation.jupytext_version
 #     text_representation:
@@ -16,8 +16,7 @@
 
 # %% [markdown] tags=["badge"]
 # [![Open in Colab](https://colab.research.google.com/assets/colab-badge.svg)](https://colab.research.google.com/github/zero2robot/seeing-like-a-robot/blob/main/notebooks/00_start_here.ipynb)
-#
-# The link opens this notebook in Colab as soon as the repository of the course is public.
+# About 15 minutes. That is an estimate, from words, cells and exercises.
 
 # %% [markdown]
 # # What is in this robot dataset?
@@ -27,15 +26,16 @@
 #
 # For the second, every action had been read half a second late. That was all.
 
-# %% tags=["setup"]
-import importlib.util
+# %% jupyter={"source_hidden": true} cellView="form" tags=["setup"]
+# @title Set up: installs z2r where it is missing, as in Colab
+from importlib.util import find_spec
 from pathlib import Path
 
-# Where z2r is missing, as in Colab: from a wheel beside this page, or else from its repository
-if importlib.util.find_spec("z2r") is None:
-    wheels = [path.resolve().as_uri() for path in Path().glob("z2r-*.whl")]
-    source = wheels[0] if wheels else "git+https://github.com/zero2robot/seeing-like-a-robot"
-    get_ipython().run_line_magic("pip", f'install --quiet "z2r[notebook] @ {source}"')
+if not find_spec("z2r"):  # from a wheel beside this page, or its repository
+    source = "git+https://github.com/zero2robot/seeing-like-a-robot"
+    for wheel in Path().glob("z2r-*.whl"):
+        source = wheel.resolve().as_uri()
+    get_ipython().run_line_magic("pip", f'install -q "z2r[notebook]@{source}"')
 
 # %%
 import json
@@ -72,7 +72,7 @@ Image(rollouts.film(both, seconds=11), format="png")
 # - **look** at one demonstration, moment by moment;
 # - **read it wrong** on purpose, and recognise what that looks like.
 #
-# It takes 15 minutes. You need no robot, no simulator and no account: the data comes with the package.
+# You need no robot, no simulator and no account: the data comes with the package.
 #
 # ## Load
 #
@@ -193,7 +193,7 @@ figures.right_and_wrong(right, wrong)
 z2r.panel(dataset)
 
 # %% [markdown]
-# ## Practice
+# ## Practice (about 2 min)
 #
 # Exercises in this course answer you. They try your function on cases that the page does not show, and say what they
 # expected. This is the reply to somebody who forgot to divide:

@@ -1,7 +1,7 @@
 # ---
 # jupyter:
 #   jupytext:
-#     cell_metadata_filter: tags,-all
+#     cell_metadata_filter: tags,jupyter,cellView,-all
 #     formats: ipynb,py:percent
 #     notebook_metadata_filter: -jupytext.text_representation.jupytext_version
 #     text_representation:
@@ -16,8 +16,7 @@
 
 # %% [markdown] tags=["badge"]
 # [![Open in Colab](https://colab.research.google.com/assets/colab-badge.svg)](https://colab.research.google.com/github/zero2robot/seeing-like-a-robot/blob/main/notebooks/01_schema.ipynb)
-#
-# The link opens this notebook in Colab as soon as the repository of the course is public.
+# About 15 minutes. That is an estimate, from words, cells and exercises.
 
 # %% [markdown]
 # # What is a frame?
@@ -34,18 +33,17 @@
 # - **read** the schema: every feature with its dtype, its shape and its names;
 # - **name** every number of a frame, and say what the robot saw before it acted;
 # - **pick** numbers by name, so that your code survives a dataset with another order.
-#
-# It takes 15 minutes.
 
-# %% tags=["setup"]
-import importlib.util
+# %% jupyter={"source_hidden": true} cellView="form" tags=["setup"]
+# @title Set up: installs z2r where it is missing, as in Colab
+from importlib.util import find_spec
 from pathlib import Path
 
-# Where z2r is missing, as in Colab: from a wheel beside this page, or else from its repository
-if importlib.util.find_spec("z2r") is None:
-    wheels = [path.resolve().as_uri() for path in Path().glob("z2r-*.whl")]
-    source = wheels[0] if wheels else "git+https://github.com/zero2robot/seeing-like-a-robot"
-    get_ipython().run_line_magic("pip", f'install --quiet "z2r[notebook] @ {source}"')
+if not find_spec("z2r"):  # from a wheel beside this page, or its repository
+    source = "git+https://github.com/zero2robot/seeing-like-a-robot"
+    for wheel in Path().glob("z2r-*.whl"):
+        source = wheel.resolve().as_uri()
+    get_ipython().run_line_magic("pip", f'install -q "z2r[notebook]@{source}"')
 
 # %%
 import importlib.util
@@ -278,7 +276,7 @@ except ValueError as error:
     print(error)
 
 # %% [markdown]
-# ## Practice
+# ## Practice (about 4 min)
 #
 # **Complete the line.** `values_of` gets the state, a schema, and a name such as `"tee_x"`. Return the values of that
 # dimension, one number for each frame. It is tried on this dataset, and on others with their columns in other places.

@@ -1,7 +1,7 @@
 # ---
 # jupyter:
 #   jupytext:
-#     cell_metadata_filter: tags,-all
+#     cell_metadata_filter: tags,jupyter,cellView,-all
 #     formats: ipynb,py:percent
 #     notebook_metadata_filter: -jupytext.text_representation.jupytext_version
 #     text_representation:
@@ -16,8 +16,7 @@
 
 # %% [markdown] tags=["badge"]
 # [![Open in Colab](https://colab.research.google.com/assets/colab-badge.svg)](https://colab.research.google.com/github/zero2robot/seeing-like-a-robot/blob/main/notebooks/02_episode_index.ipynb)
-#
-# The link opens this notebook in Colab as soon as the repository of the course is public.
+# About 25 minutes. That is an estimate, from words, cells and exercises.
 
 # %% [markdown]
 # # Where does one demonstration end?
@@ -37,26 +36,26 @@
 # - **cut** one demonstration out of the table, and find it in the film, without a frame too many;
 # - **check** that the index and the frames tell the same story;
 # - **recognise** what somebody sees who ignores the index.
-#
-# It takes 15 minutes.
 
-# %% tags=["setup"]
-import importlib.util
+# %% jupyter={"source_hidden": true} cellView="form" tags=["setup"]
+# @title Set up: installs z2r where it is missing, as in Colab
+from importlib.util import find_spec
 from pathlib import Path
 
-# Where z2r is missing, as in Colab: from a wheel beside this page, or else from its repository
-if importlib.util.find_spec("z2r") is None:
-    wheels = [path.resolve().as_uri() for path in Path().glob("z2r-*.whl")]
-    source = wheels[0] if wheels else "git+https://github.com/zero2robot/seeing-like-a-robot"
-    get_ipython().run_line_magic("pip", f'install --quiet "z2r[notebook] @ {source}"')
+if not find_spec("z2r"):  # from a wheel beside this page, or its repository
+    source = "git+https://github.com/zero2robot/seeing-like-a-robot"
+    for wheel in Path().glob("z2r-*.whl"):
+        source = wheel.resolve().as_uri()
+    get_ipython().run_line_magic("pip", f'install -q "z2r[notebook]@{source}"')
 
 # %%
 import numpy as np
 import pyarrow.parquet as pq
 
 import z2r
-from z2r.course import figures
+from z2r.course import figures, moving
 from z2r.course.exercises import episodes as practice
+from z2r.course.hunts import seams as hunt
 
 # %% [markdown]
 # ## The seam in the table
@@ -235,9 +234,15 @@ figures.camera_pictures(arm, [128, 129])
 decoded = z2r.decode(state, z2r.PUSHT, dataset.schema)
 figures.seams(decoded, dataset.episodes)
 
+# %% [markdown]
+# Five leaps. Here is the first of them, frame by frame. Drag the slider across it, to and fro.
+
+# %%
+moving.seam(dataset, 0)
+
 
 # %% [markdown]
-# Five leaps, in a tenth of a second each. Could one find the seams by their leaps, then, and do without the index?
+# Each leap takes a tenth of a second. Could one find the seams by their leaps, then, and do without the index?
 # Keep the steps inside an episode apart from those across a seam.
 
 
@@ -291,6 +296,46 @@ print(len(messy.episodes), "episodes read right")
 print(len(wrong), "read wrong:", wrong[0])
 
 # %% [markdown]
+# ### Hunt: the index is lost (about 9 min)
+#
+# The index knows where an episode ends. And if the index is gone? Eight recordings lie before you without one: pushers
+# and arms, in metres, millimetres, degrees and radians. Now and then an encoder drops out for a frame. Each seam is a
+# clear one: some number leaps four times as far as it ever goes in a step.
+#
+# **Write a check.** `find_starts` gets the state, a row for each frame, and returns the numbers of the frames with
+# which an episode begins, all but the first. It is scored on recordings that are not on this page. What you miss
+# costs, and so does a seam that is none. `hunt.examples()` returns others of the same kinds, to look at: `.args[0]` is
+# the state, `.truth` what is right.
+
+
+# %% tags=["exercise", "hunt"]
+def find_starts(state):
+    return ...
+
+
+hunt.score(find_starts)
+
+# %% [markdown]
+# <details><summary>Hint</summary>
+#
+# Ten centimetres are a long way for a block, and nothing for a joint in degrees. What is a long way for *this* column?
+# And a drop-out leaps twice: there and back.
+#
+# </details>
+# <details><summary>Solution</summary>
+#
+# ```python
+# def find_starts(state):
+#     steps = np.abs(np.diff(state, axis=0))
+#     usual = np.quantile(steps, 0.99, axis=0)  # of each column
+#     far = (steps > 3 * usual).any(axis=1)  # step k leads to frame k + 1
+#     alone = far[1:-1] & ~far[:-2] & ~far[2:]  # a drop-out leaps there and back
+#     return np.flatnonzero(alone) + 2
+# ```
+#
+# </details>
+
+# %% [markdown]
 # ## You can now
 #
 # - **read** the index: a row for each episode, `from` included, `to` not;
@@ -299,3 +344,73 @@ print(len(wrong), "read wrong:", wrong[0])
 # - **recognise** a missing index: one episode, a block that leaps, and a share of 0 or 1.
 #
 # Next: [Which way is the block pointing?](03_atan2_decoding.ipynb) makes an angle of a sine and a cosine.
+
+# %% [markdown] tags=["replies"]
+# <details><summary>One saved run: what the checkers reply</summary>
+#
+# **episode-length: both ends counted**
+#
+# ```text
+# not yet: for the range from 67 to 141, expected 74 and got 75. The first number
+#     is the first frame of the episode; the second is not a frame of it any more.
+# ```
+#
+# **episode-length: a right answer**
+#
+# ```text
+# right: all 3 trials agree with z2r.
+# ```
+#
+# **cut: the other end moved**
+#
+# ```text
+# not yet: for the frames of episode 1, expected [ 67  68  69 ... 138 139 140] and
+#     got [ 68  69  70 ... 139 140 141]. Compare your first and your last frame
+#     with the range of the episode.
+# ```
+#
+# **cut: a right answer**
+#
+# ```text
+# right: all 4 trials agree with z2r.
+# ```
+#
+# **without-the-index: as with the index**
+#
+# ```text
+# not yet: you said (14, 0.79), it is (1, 1.0). All frames have become one
+#     episode, and only the last frame of the dataset is asked. Read with the
+#     index, 11 of 14 reached the target: 0.79.
+# Another one: In a dataset of 20 episodes, 19 reached the target, and the last
+#     did not. What does somebody see who ignores its index? Add your answer to
+#     the call, as again=..., and run the cell again.
+# ```
+#
+# **without-the-index: a right answer**
+#
+# ```text
+# right: it is (1, 1.0). All frames have become one episode, and only the last
+#     frame of the dataset is asked. Read with the index, 11 of 14 reached the
+#     target: 0.79.
+# ```
+#
+# **hunt: metres for everybody**
+#
+# ```text
+# not yet: 22 of 100 points. Right: 13, missed: 14, false alarms: 31.
+#     six demonstrations of pushing: 12 false
+#     pushing, in millimetres: 4 missed
+#     an unsteady pusher: 13 false
+#     an arm, in degrees: 5 missed, 4 false
+#     and 3 kinds more
+#     A robot comes from somewhere. What is a long way for one column of one
+#         robot, and does it stay there?
+# ```
+#
+# **hunt: a right answer**
+#
+# ```text
+# right: 28 of 28, nothing missed, no false alarm. Another hunt: seed=1.
+# ```
+#
+# </details>

@@ -1,7 +1,7 @@
 # ---
 # jupyter:
 #   jupytext:
-#     cell_metadata_filter: tags,-all
+#     cell_metadata_filter: tags,jupyter,cellView,-all
 #     formats: ipynb,py:percent
 #     notebook_metadata_filter: -jupytext.text_representation.jupytext_version
 #     text_representation:
@@ -16,8 +16,7 @@
 
 # %% [markdown] tags=["badge"]
 # [![Open in Colab](https://colab.research.google.com/assets/colab-badge.svg)](https://colab.research.google.com/github/zero2robot/seeing-like-a-robot/blob/main/notebooks/03_atan2_decoding.ipynb)
-#
-# The link opens this notebook in Colab as soon as the repository of the course is public.
+# About 25 minutes. That is an estimate, from words, cells and exercises.
 
 # %% [markdown]
 # # Which way is the block pointing?
@@ -37,17 +36,18 @@
 # - **convert** an angle between degrees, radians, sine and cosine, and a quaternion;
 # - **recognise** swapped arguments by what they do.
 #
-# It takes 15 minutes. A little school trigonometry helps.
+# A little school trigonometry helps.
 
-# %% tags=["setup"]
-import importlib.util
+# %% jupyter={"source_hidden": true} cellView="form" tags=["setup"]
+# @title Set up: installs z2r where it is missing, as in Colab
+from importlib.util import find_spec
 from pathlib import Path
 
-# Where z2r is missing, as in Colab: from a wheel beside this page, or else from its repository
-if importlib.util.find_spec("z2r") is None:
-    wheels = [path.resolve().as_uri() for path in Path().glob("z2r-*.whl")]
-    source = wheels[0] if wheels else "git+https://github.com/zero2robot/seeing-like-a-robot"
-    get_ipython().run_line_magic("pip", f'install --quiet "z2r[notebook] @ {source}"')
+if not find_spec("z2r"):  # from a wheel beside this page, or its repository
+    source = "git+https://github.com/zero2robot/seeing-like-a-robot"
+    for wheel in Path().glob("z2r-*.whl"):
+        source = wheel.resolve().as_uri()
+    get_ipython().run_line_magic("pip", f'install -q "z2r[notebook]@{source}"')
 
 # %%
 import math
@@ -55,8 +55,9 @@ import math
 import numpy as np
 
 import z2r
-from z2r.course import figures
+from z2r.course import moving
 from z2r.course.exercises import angles as practice
+from z2r.course.hunts import headings as hunt
 from z2r.course.source import show_source
 
 # %% [markdown]
@@ -111,8 +112,7 @@ print(f"acos alone: {math.degrees(math.acos(cosines[0])):.1f}°")
 # The block is almost upside down. Each half alone is wrong: `asin` cannot tell left from right, and `acos` cannot
 # tell up from down.
 #
-# `z2r.decode_yaw` does it for all frames at once. Here is its source, read from the package at this moment. The line
-# on top is its address, and a fingerprint that changes when the code does.
+# `z2r.decode_yaw` does it for all frames at once. Here is its source, read from the package at this moment.
 
 # %%
 show_source(z2r.decode_yaw)
@@ -259,22 +259,24 @@ practice.check_quaternion(quaternion)
 # later somebody writes `atan2(cos, sin)` in Python. It runs.
 
 # %%
-for degrees in (0, 30, 45, 60, 90):
+for degrees in (-135, 0, 30, 45, 60, 90):
     yaw = math.radians(degrees)
     swapped = math.atan2(math.cos(yaw), math.sin(yaw))
-    print(f"{degrees:2}° is read as {math.degrees(swapped):2.0f}°")
+    print(f"{degrees:4}° is read as {math.degrees(swapped):4.0f}°")
 
 # %% [markdown]
 # It looks like a turn by 90°, but a turn would add the same angle to each. 45° stays, and 90° goes **back** to 0°.
-# This is a *reflection*: the swap makes `90° - yaw` of every yaw. Below, solid blue is a yaw of 30° read right,
-# orange is the same yaw swapped, and the grey line between them is the mirror. The ring is where a turn by 90° would
-# have gone.
+# This is a *reflection*: the swap makes `90° - yaw` of every yaw.
+#
+# Turn the block. Blue is its yaw read right, orange is the same two numbers swapped, and the dashed line is the mirror.
+# At which yaws do the two agree?
 
 # %%
-figures.yaw_circle(sin_yaw=0.5, cos_yaw=0.866)
+moving.yaw_slider()
 
 # %% [markdown]
-# In a mirror a clock runs backwards. So does the block of episode 1. Add up all its small turns.
+# They agree on the mirror, at 45° and at -135°, and everywhere else they turn in opposite ways. In a mirror a clock
+# runs backwards. So does the block of episode 1. Add up all its small turns.
 
 # %%
 pair = state[dataset.episodes[1]][:, columns].T
@@ -315,7 +317,57 @@ for name, first, second in (("right", *pair), ("swapped", *pair[::-1])):
 
 # %% [markdown]
 # A sum does not care about the order of its terms, and the order was all that was wrong.
+
+# %% [markdown]
+# ### Hunt: what is this column? (about 9 min)
 #
+# A cart drove across a yard. Its `x` and `y` have names. The other columns, one or two or four of them, have none. Are
+# they its heading? In degrees, in radians, sine first or cosine first, a quaternion with its w last or first? From the
+# numbers alone, nobody can tell sine and cosine from cosine and sine. But there is a witness: **a cart drives where it
+# points.**
+#
+# **Write it.** `encoding` gets x and y in metres and the columns, `(n_frames, 1)`, `(n_frames, 2)` or `(n_frames, 4)`.
+# It returns `"degrees"`, `"radians"`, `"sin cos"`, `"cos sin"`, `"x y z w"`, `"w x y z"` or `"no heading"`. It is
+# tried on 21 carts. `hunt.examples()` has others: `.args` is what your function gets, `.truth` what it should say.
+
+
+# %% tags=["exercise", "hunt"]
+def encoding(x, y, columns):
+    return ...
+
+
+hunt.score(encoding)
+
+# %% [markdown]
+# <details><summary>Hint</summary>
+#
+# `np.arctan2(np.gradient(y), np.gradient(x))` is which way it goes. Decode the columns in every way that they may be
+# meant. The cosine of a difference of two angles is 1 where they agree, however often somebody turned round.
+#
+# </details>
+# <details><summary>Solution</summary>
+#
+# ```python
+# def encoding(x, y, columns):
+#     way = np.arctan2(np.gradient(y), np.gradient(x))
+#     c = columns.T
+#     if len(c) == 1:
+#         yaws = {"degrees": np.deg2rad(c[0]), "radians": c[0]}
+#     elif len(c) == 2:
+#         yaws = {"sin cos": np.arctan2(*c), "cos sin": np.arctan2(*c[::-1])}
+#     else:
+#         yaws = {
+#             "x y z w": 2 * np.arctan2(c[2], c[3]),
+#             "w x y z": 2 * np.arctan2(c[3], c[0]),
+#         }
+#     fits = {name: np.cos(yaw - way).mean() for name, yaw in yaws.items()}
+#     best = max(fits, key=fits.get)
+#     return best if fits[best] > 0.9 else "no heading"
+# ```
+#
+# </details>
+
+# %% [markdown]
 # ## You can now
 #
 # - **explain** why an angle is stored as sine and cosine: they do not jump, and an angle does;
@@ -325,3 +377,89 @@ for name, first, second in (("right", *pair), ("swapped", *pair[::-1])):
 # - **recognise** a swap: `90° - yaw`, so 45° stays, and every turn goes the other way.
 #
 # Next: [How many reached the target?](04_hidden_success.ipynb) uses the yaw to find what no column says.
+
+# %% [markdown] tags=["replies"]
+# <details><summary>One saved run: what the checkers reply</summary>
+#
+# **decode: swapped arguments**
+#
+# ```text
+# not yet: for a yaw of 30 degrees, expected 0.5236 and got 1.047. The answer is
+#     in radians. The sine is how far up the point is, the cosine how far to the
+#     right: which of the two does atan2 want first?
+# ```
+#
+# **decode: a right answer**
+#
+# ```text
+# right: all 5 trials agree with z2r.
+# ```
+#
+# **turn: nothing wrapped, degrees**
+#
+# ```text
+# not yet: for the yaws 10 and 40 degrees, expected 0.5236 and got 30. Two
+#     directions are never more than pi apart. Which of the numbers has to be
+#     wrapped?
+# ```
+#
+# **turn: a right answer**
+#
+# ```text
+# right: all 6 trials agree with z2r.
+# ```
+#
+# **quaternion: half of one**
+#
+# ```text
+# not yet: for a yaw of 60 degrees, expected (0, 0, 0.5, 0.866) and got (0, 0,
+#     0.5, 0.5). A quaternion does not hold the sine and the cosine of the yaw
+#     itself. Of which angle, then?
+# ```
+#
+# **quaternion: a right answer**
+#
+# ```text
+# right: all 5 trials agree with z2r.
+# ```
+#
+# **swap: a turn by 90 degrees**
+#
+# ```text
+# not yet: you said 210, it is -30.0. The swap makes 90 - yaw of every yaw, and 90
+#     - 120 = -30.
+# Another one: And a block at -135 degrees? Add your answer to the call, as
+#     again=..., and run the cell again.
+# ```
+#
+# **swap: a right answer**
+#
+# ```text
+# right: it is -30.0. The swap makes 90 - yaw of every yaw, and 90 - 120 = -30.
+# ```
+#
+# **hunt: every column is a heading**
+#
+# ```text
+# not yet: 85 of 100 points. Right: 18, missed: 0, false alarms: 3.
+#     sine and cosine of a mast that turns by itself: you said 'cos sin', it is
+#         'no heading'
+#     how much charge the battery has: you said 'degrees', it is 'no heading'
+#     the angle of a mast that turns by itself: you said 'radians', it is 'no
+#         heading'
+#     A cart drives where it points. Decode the columns in every way there is, and
+#         ask the wheels.
+# ```
+#
+# **hunt: a right answer**
+#
+# ```text
+# right: 21 of 21, nothing missed, no false alarm. Another hunt: seed=1.
+# ```
+#
+# </details>
+
+# %% tags=["colophon"]
+from z2r.course.source import colophon
+
+colophon()

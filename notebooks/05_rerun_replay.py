@@ -1,7 +1,7 @@
 # ---
 # jupyter:
 #   jupytext:
-#     cell_metadata_filter: tags,-all
+#     cell_metadata_filter: tags,jupyter,cellView,-all
 #     formats: ipynb,py:percent
 #     notebook_metadata_filter: -jupytext.text_representation.jupytext_version
 #     text_representation:
@@ -16,8 +16,7 @@
 
 # %% [markdown] tags=["badge"]
 # [![Open in Colab](https://colab.research.google.com/assets/colab-badge.svg)](https://colab.research.google.com/github/zero2robot/seeing-like-a-robot/blob/main/notebooks/05_rerun_replay.ipynb)
-#
-# The link opens this notebook in Colab as soon as the repository of the course is public.
+# About 20 minutes. That is an estimate, from words, cells and exercises.
 
 # %% [markdown]
 # # What did it look like?
@@ -36,17 +35,18 @@
 # - **find** the picture that belongs to a frame;
 # - **watch** an episode and tell its story.
 #
-# It takes 15 minutes. To move the film yourself, you also need a browser.
+# To move the film yourself, you also need a browser.
 
-# %% tags=["setup"]
-import importlib.util
+# %% jupyter={"source_hidden": true} cellView="form" tags=["setup"]
+# @title Set up: installs z2r where it is missing, as in Colab
+from importlib.util import find_spec
 from pathlib import Path
 
-# Where z2r is missing, as in Colab: from a wheel beside this page, or else from its repository
-if importlib.util.find_spec("z2r") is None:
-    wheels = [path.resolve().as_uri() for path in Path().glob("z2r-*.whl")]
-    source = wheels[0] if wheels else "git+https://github.com/zero2robot/seeing-like-a-robot"
-    get_ipython().run_line_magic("pip", f'install --quiet "z2r[notebook] @ {source}"')
+if not find_spec("z2r"):  # from a wheel beside this page, or its repository
+    source = "git+https://github.com/zero2robot/seeing-like-a-robot"
+    for wheel in Path().glob("z2r-*.whl"):
+        source = wheel.resolve().as_uri()
+    get_ipython().run_line_magic("pip", f'install -q "z2r[notebook]@{source}"')
 
 # %%
 from collections import Counter
@@ -58,8 +58,9 @@ from IPython.display import Image
 from rerun.chunk import RrdReader
 
 import z2r
-from z2r.course import figures
+from z2r.course import moving
 from z2r.course.exercises import replay as practice
+from z2r.course.hunts import grip as hunt
 from z2r.data import ARM_STILL
 
 # %% [markdown]
@@ -204,9 +205,9 @@ print(replay.n_frames, "frames of", replay.n_episodes, "episodes")
 # What happens in episode 0? The pusher pushes whenever the block moves, so find when moving begins and when it ends.
 
 # %%
-moving = np.hypot(np.diff(block.x), np.diff(block.y)) > 0.001  # 1 mm
-begins = np.flatnonzero(~moving[:-1] & moving[1:]) + 1
-ends = np.flatnonzero(moving[:-1] & ~moving[1:]) + 1
+moves = np.hypot(np.diff(block.x), np.diff(block.y)) > 0.001  # 1 mm
+begins = np.flatnonzero(~moves[:-1] & moves[1:]) + 1
+ends = np.flatnonzero(moves[:-1] & ~moves[1:]) + 1
 errors = z2r.frame_errors(decoded)
 distance, turn = 1000 * errors["pos_err"], errors["ang_err"]
 for a, b in zip(begins, ends, strict=True):
@@ -219,9 +220,11 @@ for a, b in zip(begins, ends, strict=True):
 # The first push brings the block near, and turns it. The second turns it further, but pushes it **away**, from 48 to
 # 80 mm. It gave up distance to win angle. The third does both, and ends at 15 mm and 0.10 rad, in tolerance. The last
 # frame alone would never have told you.
+#
+# Here it is as a film, with its captions.
 
 # %%
-figures.moments(decoded, 6)
+moving.story(dataset, 0)
 
 # %% [markdown]
 # ## Replay it wrong
@@ -252,7 +255,48 @@ practice.predict_same_rows(prediction)
 # %% [markdown]
 # In the viewer, watch the block while the pusher shoves it. Where the real one turns to the left, the swapped one
 # turns to the right, and the pusher goes through it.
+
+# %% [markdown]
+# ### Hunt: did it grip? (about 9 min)
 #
+# On a real desk, nobody records where the cube is. But the gripper knows. Told to close, it stops on what is between
+# its jaws, and what was *told* and what was *seen* part.
+#
+# **Write it.** `gripped` gets both, in percent open, 30 frames a second. It returns the frame in which the jaws first
+# had something between them that they kept, or `None`. Four frames beside it is right. Beware: a motion comes later
+# than its command, some jaws never close all the way, some things are thin, and some slip out at once. It is tried on
+# 18 episodes. `hunt.examples()` has others: `told, seen = hunt.examples()[0].args`.
+
+
+# %% tags=["exercise", "hunt"]
+def gripped(told, seen):
+    return ...
+
+
+hunt.score(gripped)
+
+# %% [markdown]
+# <details><summary>Hint</summary>
+#
+# While they close, `seen` is above `told` as well, for it is late. What is different once they hold something? They
+# stand still, and go on standing still.
+#
+# </details>
+# <details><summary>Solution</summary>
+#
+# ```python
+# def gripped(told, seen):
+#     wider = seen > told + 5  # percent: more than jaws that are never exact
+#     for frame in range(len(seen) - 12):
+#         soon = slice(frame, frame + 12)  # 0.4 s: longer than any delay
+#         if wider[soon].all() and np.ptp(seen[soon]) < 2:
+#             return frame
+#     return None
+# ```
+#
+# </details>
+
+# %% [markdown]
 # ## You can now
 #
 # - **say** what a recording is made of: entities such as `/cameras/front`, their components, and a timeline;
@@ -262,3 +306,69 @@ practice.predict_same_rows(prediction)
 #
 # Next: [What is an action?](06_what_is_an_action.ipynb) In the plots of the arm, its joints follow their commands. It
 # asks how late, and finds out what was commanded.
+
+# %% [markdown] tags=["replies"]
+# <details><summary>One saved run: what the checkers reply</summary>
+#
+# **sim-time: ten is typed in**
+#
+# ```text
+# not yet: for frame 90 at 30 frames a second, expected 3 and got 9. Frame 0 is
+#     shown at 0 s. At 10 frames a second, how many seconds is one frame?
+# ```
+#
+# **sim-time: a right answer**
+#
+# ```text
+# right: all 5 trials agree with z2r.
+# ```
+#
+# **video-time: the start alone**
+#
+# ```text
+# not yet: for frame 100 of episode 1 at 30 frames a second, expected 7.633 and
+#     got 4.3. Count from where the episode begins in the film.
+# ```
+#
+# **video-time: a right answer**
+#
+# ```text
+# right: all 5 trials agree with z2r.
+# ```
+#
+# **same-rows: the yaw**
+#
+# ```text
+# not yet: you said 'yaw', it is position. The swap exchanges the sine and the
+#     cosine of the yaw. It does not touch x and y.
+# Another one: Somebody ignores where episodes end, which is drop-boundaries, and
+#     writes the replay. What of the block is the same, frame by frame? Add your
+#     answer to the call, as again=..., and run the cell again.
+# ```
+#
+# **same-rows: a right answer**
+#
+# ```text
+# right: it is position. The swap exchanges the sine and the cosine of the yaw. It
+#     does not touch x and y.
+# ```
+#
+# **hunt: as soon as it is beside**
+#
+# ```text
+# not yet: 77 of 100 points. Right: 14, missed: 2, false alarms: 2.
+#     nothing, with jaws that always stop a little too wide (2 of 2): you said 0,
+#         it is None
+#     a cube, with jaws that always stop a little too wide (2 of 2): you said 0,
+#         it is 70
+#     Jaws that stop before the place where they are sent are held open. A command
+#         also takes time to arrive.
+# ```
+#
+# **hunt: a right answer**
+#
+# ```text
+# right: 18 of 18, nothing missed, no false alarm. Another hunt: seed=1.
+# ```
+#
+# </details>

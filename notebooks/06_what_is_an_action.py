@@ -16,7 +16,7 @@
 
 # %% [markdown] tags=["badge"]
 # [![Open in Colab](https://colab.research.google.com/assets/colab-badge.svg)](https://colab.research.google.com/github/zero2robot/seeing-like-a-robot/blob/main/notebooks/06_what_is_an_action.ipynb)
-# About 20 minutes. That is an estimate, from words, cells and exercises.
+# About 30 minutes. That is an estimate, from words, cells and exercises.
 
 # %% [markdown]
 # # What is an action?
@@ -54,6 +54,7 @@ import numpy as np
 import z2r
 from z2r.course import figures
 from z2r.course.exercises import action as practice
+from z2r.course.hunts import actions as hunt
 from z2r.reading.action import ActionSample, infer_action
 
 # %% [markdown]
@@ -357,7 +358,54 @@ ask(np.roll(state, -1, axis=0), state)
 # The first three are honest shrugs. A poorer tool would have named the best of many bad fits. The last is an answer,
 # and a warning. It fits perfectly, because it was never a command. What an arm is told to overcome, its own weight or a
 # cube between its fingers, is not in it.
+
+# %% [markdown]
+# ### Hunt: robots that nobody has seen (about 9 min)
 #
+# `infer_action` looks 15 frames ahead and wants 60 frames. For a robot with 200 frames a second, 15 frames are 75 ms.
+# So of the sixteen robots here it knows eight, and shrugs at the rest.
+#
+# **Write a better one.** `what_is` gets one number of the action, a state of four columns, and the frames a second. It
+# returns `(kind, column, ahead, factor)`: `"target"` or `"change"`; the place of the column; how many frames ahead (a
+# change counts where it ends); and how many of the action's units are one of the column's, or of its change in a
+# frame. It returns `None` where the action drives none of them. No robot here takes more than 0.4 s. A tenth beside it
+# is right. `hunt.examples()` has others: `action, state, fps = hunt.examples()[0].args`.
+
+
+# %% tags=["exercise", "hunt"]
+def what_is(action, state, fps):
+    return ...
+
+
+hunt.score(what_is)
+
+# %% [markdown]
+# <details><summary>Hint</summary>
+#
+# It is `hold` from above, for each column, both ways, and each number of frames up to `0.4 * fps`. Keep the best, and
+# say `None` if even that leaves a tenth unexplained.
+#
+# </details>
+# <details><summary>Solution</summary>
+#
+# ```python
+# def what_is(action, state, fps):
+#     best, explained = None, 0.95
+#     for ahead in range(1, round(0.4 * fps) + 1):
+#         told, there = action[:-ahead], state[ahead:]
+#         moved = there - state[ahead - 1 : -1]
+#         for kind, seen in (("target", there), ("change", moved)):
+#             for column, values in enumerate(seen.T):
+#                 alike = abs(np.corrcoef(told, values)[0, 1])
+#                 if alike > explained:
+#                     factor = np.polyfit(values, told, 1)[0]
+#                     best, explained = (kind, column, ahead, factor), alike
+#     return best
+# ```
+#
+# </details>
+
+# %% [markdown]
 # ## You can now
 #
 # - **tell** a target from a change: hold the action against both, some frames ahead, and take what leaves least;
@@ -367,3 +415,74 @@ ask(np.roll(state, -1, axis=0), state)
 #
 # Next: you know what the numbers mean. Or you believe that you do. [How do I know that I read it
 # right?](07_break_modes.ipynb)
+
+# %% [markdown] tags=["replies"]
+# <details><summary>One saved run: what the checkers reply</summary>
+#
+# **predict-a-second: all times ten**
+#
+# ```text
+# not yet: you said (9.96, 104.5), it is (0.996, 1.04). Another unit stretches the
+#     whole picture and moves no dot off the line, so as much is explained as
+#     before. The same action over a change ten times as large is a slope ten
+#     times as small.
+# Another one: And if the change is counted in a minute: what is the slope? Add
+#     your answer to the call, as again=..., and run the cell again.
+# ```
+#
+# **predict-a-second: a right answer**
+#
+# ```text
+# right: it is (0.996, 1.04). Another unit stretches the whole picture and moves
+#     no dot off the line, so as much is explained as before. The same action over
+#     a change ten times as large is a slope ten times as small.
+# ```
+#
+# **driven-column: the least**
+#
+# ```text
+# not yet: for the elbow of arm, expected 2 and got 3. A joint that goes down
+#     whenever the action goes up follows it perfectly. What is its correlation?
+# ```
+#
+# **driven-column: a right answer**
+#
+# ```text
+# right: all 4 trials agree with z2r.
+# ```
+#
+# **within: with its sign**
+#
+# ```text
+# not yet: for the elbow of arm, two frames ahead, in episode 5, expected 0.6745
+#     and got 0.5244. What does the line say the action is, where `seen` was seen?
+#     The distance to that counts without its sign.
+# ```
+#
+# **within: a right answer**
+#
+# ```text
+# right: all 3 trials agree with z2r.
+# ```
+#
+# **hunt: one window for all**
+#
+# ```text
+# not yet: 62 of 100 points. Right: 10, missed: 6, false alarms: 0.
+#     a slow arm of 200 frames a second (2 of 2): you said None, it is ('target',
+#         0, 76, -1.0)
+#     a hand of 100 frames a second that is told how fast to go (2 of 2): you said
+#         None, it is ('change', 3, 30, 57.3)
+#     an arm of 100 frames a second (2 of 2): you said None, it is ('target', 1,
+#         22, -1.0)
+#     Shift, fit, look at what is left. How many frames are 0.4 s for this robot,
+#         and which way does it turn?
+# ```
+#
+# **hunt: a right answer**
+#
+# ```text
+# right: 16 of 16, nothing missed, no false alarm. Another hunt: seed=1.
+# ```
+#
+# </details>

@@ -16,7 +16,7 @@
 
 # %% [markdown] tags=["badge"]
 # [![Open in Colab](https://colab.research.google.com/assets/colab-badge.svg)](https://colab.research.google.com/github/zero2robot/seeing-like-a-robot/blob/main/notebooks/07_break_modes.ipynb)
-# About 15 minutes. That is an estimate, from words, cells and exercises.
+# About 25 minutes. That is an estimate, from words, cells and exercises.
 
 # %% [markdown]
 # # How do I know that I read it right?
@@ -52,8 +52,9 @@ if not find_spec("z2r"):  # from a wheel beside this page, or its repository
 import numpy as np
 
 import z2r
-from z2r.course import figures
+from z2r.course import figures, moving
 from z2r.course.exercises import breaks as practice
+from z2r.course.hunts import beliefs as hunt
 from z2r.course.source import show_source
 from z2r.pusht.overlap import overlap
 
@@ -206,6 +207,13 @@ figures.seen_from_block(right, wrong)
 # On the left there is a gap around the T, as wide as the pusher's radius. The dots along its edge are pushes. On the
 # right they are all over the T.
 #
+# Take the pusher into your own hand. This is the frame in which the swapped block lies deepest under it. Push it in
+# and pull it out, and read the number.
+
+# %%
+moving.push_in(whole)
+
+# %% [markdown]
 # `overlap` makes a number of it: how deep the pusher is in the block, in metres, and 0 where it is outside.
 
 # %%
@@ -302,7 +310,54 @@ for each in apply:
 #
 # (One more thing that is easily read wrong, by Python itself: a script called `inspect.py`. It hides the module of that
 # name, on which half of the standard library depends. Call yours something else.)
+
+# %% [markdown]
+# ### Hunt: what nobody holds stays (about 9 min)
 #
+# No check refuted `gripper-inverted`: a gripper that obeys looks the same either way. But there is a cube in this
+# dataset, and *what nobody holds stays where it is*. With that, and a few more facts about cubes and tables, five
+# wrong beliefs can be refuted, and no label is needed.
+#
+# **Write a check.** `is_refuted` gets the columns of an episode, by the names that somebody believes they have:
+# `block_x` to `goal_z` in metres, `gripper.pos` from 0, closed, to 100, and the joints, 30 frames a second. It returns
+# `True` where that cannot be. Ten of twenty episodes are read right, three of them failures; ten are read wrong, in
+# five ways that you have to imagine. `hunt.examples()` has others: `(frames,) = hunt.examples()[0].args`.
+
+
+# %% tags=["exercise", "hunt"]
+def is_refuted(frames):
+    return ...
+
+
+hunt.score(is_refuted)
+
+# %% [markdown]
+# <details><summary>Hint</summary>
+#
+# What can a cube not do while the jaws are open? What lies under it? How fast is an arm? And of cube and goal, which
+# one never moves?
+#
+# </details>
+# <details><summary>Solution</summary>
+#
+# ```python
+# def is_refuted(frames):
+#     cube, goal = (
+#         np.stack([frames[f"{body}_{axis}"] for axis in "xyz"])
+#         for body in ("block", "goal")
+#     )
+#     steps = np.linalg.norm(np.diff(cube, axis=1), axis=0)
+#     jaws_open = frames["gripper.pos"][1:] > 50
+#     flies = steps[jaws_open].sum() > 0.02  # m, and nobody holds it
+#     sinks = cube[2].min() < cube[2, 0] - 0.01  # into the table
+#     rushes = steps.max() > 0.2  # m in a 30th of a second
+#     strays = np.ptp(goal, axis=1).max() > 0.001
+#     return bool(flies or sinks or rushes or strays)
+# ```
+#
+# </details>
+
+# %% [markdown]
 # ## You can now
 #
 # - **read** wrong on purpose: `z2r.break_mode("yaw-swap").reading(z2r.PUSHT)`;
@@ -312,6 +367,72 @@ for each in apply:
 # - **say** what the data refutes with `z2r audit my_dataset --break all`, and know the rest yourself.
 #
 # Next: somebody sends you a recording of an arm. [Is my data any good?](08_your_dataset.ipynb)
+
+# %% [markdown] tags=["replies"]
+# <details><summary>One saved run: what the checkers reply</summary>
+#
+# **predict-yaw-swap: all as before**
+#
+# ```text
+# not yet: you said (217, 76, 3), it is (217, 76, 0). Frames and lengths come from
+#     the episode index, which the swap does not touch. The yaw comes from the
+#     swapped columns: near the target, about 90 degrees instead of about 0.
+# Another one: And if the same swap is made for the target as well: how many reach
+#     it? Add your answer to the call, as again=..., and run the cell again.
+# ```
+#
+# **predict-yaw-swap: a right answer**
+#
+# ```text
+# right: it is (217, 76, 0). Frames and lengths come from the episode index, which
+#     the swap does not touch. The yaw comes from the swapped columns: near the
+#     target, about 90 degrees instead of about 0.
+# ```
+#
+# **swap: nothing swapped**
+#
+# ```text
+# not yet: for the yaw of the block, expected sin=cos_tee_yaw, cos=sin_tee_yaw and
+#     got sin=sin_tee_yaw, cos=cos_tee_yaw. A YawColumns, whose sin is the name
+#     that yaw.cos holds. And the other one?
+# ```
+#
+# **swap: a right answer**
+#
+# ```text
+# right: all 3 trials agree with z2r.
+# ```
+#
+# **seen-from-block: half mended**
+#
+# ```text
+# not yet: for a pusher at (0.05, 0.1) and a block at (0.02, 0), turned by 90
+#     degrees, expected (0.1, -0.03) and got (0.1, 0.03). Turn the block back to
+#     yaw 0, and the pusher with it. Which way is back?
+# ```
+#
+# **seen-from-block: a right answer**
+#
+# ```text
+# right: all 4 trials agree with z2r.
+# ```
+#
+# **hunt: nothing sinks**
+#
+# ```text
+# not yet: 90 of 100 points. Right: 18, missed: 2, false alarms: 0.
+#     up taken for down (2 of 2): missed
+#     What can a cube not do that nobody holds? What can a table not let through,
+#         and what never moves?
+# ```
+#
+# **hunt: a right answer**
+#
+# ```text
+# right: 20 of 20, nothing missed, no false alarm. Another hunt: seed=1.
+# ```
+#
+# </details>
 
 # %% tags=["colophon"]
 from z2r.course.source import colophon

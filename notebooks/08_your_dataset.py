@@ -16,7 +16,7 @@
 
 # %% [markdown] tags=["badge"]
 # [![Open in Colab](https://colab.research.google.com/assets/colab-badge.svg)](https://colab.research.google.com/github/zero2robot/seeing-like-a-robot/blob/main/notebooks/08_your_dataset.ipynb)
-# About 20 minutes. That is an estimate, from words, cells and exercises.
+# About 30 minutes. That is an estimate, from words, cells and exercises.
 
 # %% [markdown]
 # # Is my data any good?
@@ -57,6 +57,7 @@ import z2r
 from z2r.course import figures
 from z2r.course.damage import record_badly
 from z2r.course.exercises import your_dataset as practice
+from z2r.course.hunts import recordings as hunt
 from z2r.show.draft import draft_reading
 
 # %% [markdown]
@@ -381,7 +382,62 @@ practice.check_is_sane(is_sane)
 # 6. How many episodes reached the goal, by which reading?
 # 7. Which fact of your own holds in every episode?
 # 8. What did `z2r audit --pictures` find, and what did it not check?
+
+# %% [markdown]
+# ### Hunt: keep, mend, or throw away (about 9 min)
 #
+# Here are 21 more recordings, and one evening.
+#
+# **Decide.** `decide` gets the action and the state of an episode, six joints each, the gripper last, and what its
+# camera saw: small grey pictures, `(n_frames, 12, 16)`, 30 a second. It returns `"keep"`; `"mend"`, if what is wrong
+# can be undone without loss, as a shift, a unit, a sign or an order of columns; or `"throw away"`, if something was
+# never recorded. Not all that looks odd is wrong: an arm may wait, a room may be dark. `hunt.examples()` has others:
+# `action, state, pictures = hunt.examples()[0].args`.
+
+
+# %% tags=["exercise", "hunt"]
+def decide(action, state, pictures):
+    return ...
+
+
+hunt.score(decide)
+
+# %% [markdown]
+# <details><summary>Hint</summary>
+#
+# Did a camera or the encoders stand still while something else moved? That is lost. Then, for each command: is there a
+# joint that follows it, which one, how late, and how far? All that can be undone, unless there is none.
+#
+# </details>
+# <details><summary>Solution</summary>
+#
+# ```python
+# def decide(action, state, pictures):
+#     if pictures.mean() < 10:
+#         return "throw away"  # black
+#     for k in range(len(action) - 20):
+#         told, seen, shown = (
+#             np.ptp(values[k : k + 20], axis=0).max()
+#             for values in (action, state, pictures)
+#         )
+#         if (told > 5 and seen == 0) or (seen > 3 and shown == 0):
+#             return "throw away"  # something stood still, and should not
+#     rows = np.arange(12, len(action) - 12)
+#     alike = {
+#         lag: np.corrcoef(action[rows].T, state[rows + lag].T)[:6, 6:]
+#         for lag in range(-12, 13)
+#     }
+#     lag = max(alike, key=lambda lag: np.abs(alike[lag]).max(axis=1).mean())
+#     if np.abs(alike[lag]).max(axis=1).min() < 0.9:
+#         return "throw away"  # a command that no joint follows
+#     factor = state[rows + lag].std(axis=0) / action[rows].std(axis=0)
+#     own = (alike[lag].diagonal() > 0.9) & (0.5 < factor) & (factor < 2)
+#     return "keep" if own.all() and lag >= 0 else "mend"
+# ```
+#
+# </details>
+
+# %% [markdown]
 # ## You can now
 #
 # - **draft** a reading with `z2r reading`, and complete it: units, a goal;
@@ -391,3 +447,82 @@ practice.check_is_sane(is_sane)
 #
 # Next: put your own path into `DATASET`, and go through the page once more. Then [What is wrong with this
 # dataset?](09_field_guide.ipynb) shows what else people get wrong, and what gives it away.
+
+# %% [markdown] tags=["replies"]
+# <details><summary>One saved run: what the checkers reply</summary>
+#
+# **never-moves: first and last**
+#
+# ```text
+# not yet: for three frames in which the first dimension goes and comes back,
+#     expected (False, True, False) and got (True, True, False). One answer for
+#     each column. A column rests if its smallest value is also its largest.
+# ```
+#
+# **never-moves: a right answer**
+#
+# ```text
+# right: all 5 trials agree with z2r.
+# ```
+#
+# **frames-ahead: only before**
+#
+# ```text
+# not yet: for the elbow of arm, expected 2 and got -1. Which numbers of frames
+#     does it try? A command that is stored late comes after the motion.
+# ```
+#
+# **frames-ahead: a right answer**
+#
+# ```text
+# right: all 4 trials agree with z2r.
+# ```
+#
+# **predict-reached: all**
+#
+# ```text
+# not yet: you said '13 of 13', it is nothing. Nobody has said yet what counts as
+#     reached. A guess that looks like a number is worse than no number.
+# Another one: The columns of standin, of which 6 of 6 reached, get other names.
+#     What does z2r say of it? Add your answer to the call, as again=..., and run
+#     the cell again.
+# ```
+#
+# **predict-reached: a right answer**
+#
+# ```text
+# right: it is nothing. Nobody has said yet what counts as reached. A guess that
+#     looks like a number is worse than no number.
+# ```
+#
+# **is-sane: all is well**
+#
+# ```text
+# not yet: 6 of 6 damaged ones pass for good: commands five frames late, an elbow
+#     in radians, two joints exchanged, a follower 17 degrees beside its leader, a
+#     motor mounted the other way round, a joint that hangs for two seconds.
+# ```
+#
+# **is-sane: a right answer**
+#
+# ```text
+# right: no false alarm in 6 good episodes, and all 6 damaged ones found.
+# ```
+#
+# **hunt: a still picture is frozen**
+#
+# ```text
+# not yet: 90 of 100 points. Right: 19, missed: 0, false alarms: 2.
+#     the arm waits for a second, and so does the picture (2 of 2): you said
+#         'throw away', it is 'keep'
+#     A joint follows its command, and a camera sees the arm move. Can you compute
+#         what it should have been?
+# ```
+#
+# **hunt: a right answer**
+#
+# ```text
+# right: 21 of 21, nothing missed, no false alarm. Another hunt: seed=1.
+# ```
+#
+# </details>

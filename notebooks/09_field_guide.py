@@ -16,7 +16,7 @@
 
 # %% [markdown] tags=["badge"]
 # [![Open in Colab](https://colab.research.google.com/assets/colab-badge.svg)](https://colab.research.google.com/github/zero2robot/seeing-like-a-robot/blob/main/notebooks/09_field_guide.ipynb)
-# About 15 minutes. That is an estimate, from words, cells and exercises.
+# About 25 minutes. That is an estimate, from words, cells and exercises.
 
 # %% [markdown]
 # # What is wrong with this dataset?
@@ -54,10 +54,11 @@ from pathlib import Path
 import numpy as np
 
 import z2r
-from z2r.course import figures
+from z2r.course import figures, moving
 from z2r.course.damage import split, turn_half
 from z2r.course.exercises import field_guide as practice
 from z2r.course.field_guide import guide, what_changes
+from z2r.course.hunts.finale import SUSPECTS, Finale
 
 # %% [markdown]
 # To have something to misread, take `messy`, fourteen attempts of the pusher. Some mistakes need many files to show, so
@@ -237,11 +238,11 @@ for name in (None, "wrong-fps", "action-lag"):
 #
 # Now read `messy` in every wrong way that applies to it, and hold each against the right reading. A dot means: no
 # change. The first three columns count episodes. *Picture* and *action* are shares of frames in which something else is
-# drawn, or another action given.
+# drawn, or another action given. Click a row to see what gives it away.
 
 # %%
 changes = what_changes(root)
-figures.what_changes(changes)
+moving.changes_table(changes)
 
 # %% [markdown]
 # Look at which cells are filled. Mistakes about **meaning** leave lengths and actions alone. Mistakes about the
@@ -260,7 +261,60 @@ print(*(each.name for each in right), sep="\n")
 
 # %% [markdown]
 # Half of all the mistakes leave every answer as it was. The share that reached is no test of a reader.
+
+# %% [markdown]
+# ## Hunt: eight datasets (about 9 min)
 #
+# Eight datasets, drawn from a seed: four of the pusher, four of the arm. Some are healthy. Nobody measures anything
+# for you.
+#
+# The numbers are free. Draw them, and try your own checks on them, those from the hunts before. Instruments cost **one
+# point** each: `finale.ask("a", "overlap")` asks one check of the audit, `finale.infer_action("a")`,
+# `finale.inspect("a")` and `finale.panel("a")` are what you think. A right answer brings **five**, a wrong one costs
+# **two**. Forty is the most.
+
+# %%
+finale = Finale(seed=0)
+for name in finale.names:
+    it = finale[name]
+    print(name, it.episodes, f"{it.fps} fps:", *[*it.columns][:3], "...")
+
+# %% [markdown]
+# What may be wrong, and what one would see of it:
+
+# %%
+for suspect, shows in SUSPECTS.items():
+    print(f"{suspect:27}{shows}")
+
+# %% [markdown]
+# `finale["a"].columns["action/pusher_vx"]` is a column, and `finale["a"].episodes[0]` cuts out an episode. Put the
+# name of a suspect in place of a `None`, as many as you like at once.
+
+# %% tags=["exercise", "hunt"]
+answers = {
+    "a": None,
+    "b": None,
+    "c": None,
+    "d": None,
+    "e": None,
+    "f": None,
+    "g": None,
+    "h": None,
+}
+finale.hand_in(answers)
+
+# %% [markdown]
+# <details><summary>Hint</summary>
+#
+# Where does something leap, and is that where an episode ends ([02](02_episode_index.ipynb))? Does each number follow
+# what it is told, when, and how far ([06](06_what_is_an_action.ipynb))? Do solid things stay apart, and does what
+# nobody holds stay where it is ([07](07_break_modes.ipynb))?
+#
+# </details>
+#
+# `print(finale)` is your score, in one line to share. `Finale(seed=1)` is another finale.
+
+# %% [markdown]
 # ## You can now
 #
 # - **tell** the kinds apart: meaning changes what is said of a frame, index and files change which frames belong
@@ -270,3 +324,58 @@ print(*(each.name for each in right), sep="\n")
 # - **say** what is yours to know: how good is good enough, and how many episodes there were.
 #
 # Next: [What does a misreading cost?](10_cost_of_a_misreading.ipynb) trains a policy on such mistakes, and counts.
+
+# %% [markdown] tags=["replies"]
+# <details><summary>One saved run: what the checkers reply</summary>
+#
+# **predict-unnoticed: a body elsewhere**
+#
+# ```text
+# not yet: you said 'wrong-reference-point', it is degrees-for-radians. No data
+#     can say how good is good enough. Somebody has to know the task, or there is
+#     a second witness.
+# Another one: Of the arm, which is not noticed: wrong-angle-unit,
+#     delta-for-absolute, action-lag, wrong-fps? Add your answer to the call, as
+#     again=..., and run the cell again.
+# ```
+#
+# **predict-unnoticed: a right answer**
+#
+# ```text
+# right: it is degrees-for-radians. No data can say how good is good enough.
+#     Somebody has to know the task, or there is a second witness.
+# ```
+#
+# **longest-steps: the other end moved**
+#
+# ```text
+# not yet: for the episodes of messy, expected (0.02184, 0.02757, 0.01937,
+#     0.04162, 0.03886, 0.03632, 0.02912, 0.03693, 0.0353, 0.009679, 0.02706,
+#     0.02214, 0.02748, 0.03619) and got (0.2249, 0.1503, 0.2076, 0.1951, 0.2449,
+#     0.177, 0.226, 0.1666, 0.05434, 0.1296, 0.05173, 0.1119, 0.1412, 0.03619).
+#     Step number k goes from frame k to frame k + 1. Which steps of the slice
+#     lead out of the episode?
+# ```
+#
+# **longest-steps: a right answer**
+#
+# ```text
+# right: all 3 trials agree with z2r.
+# ```
+#
+# **hunt: the cube is not looked at**
+#
+# ```text
+# not yet: z2r finale, seed 0: 33 of 40 points (7 of 8 right, instruments: 0,
+#     wrong guesses: 1)
+#     e is not healthy: of that you would see nothing, however often you look
+# ```
+#
+# **hunt: a right answer**
+#
+# ```text
+# right: z2r finale, seed 0: 40 of 40 points (8 of 8 right, instruments: 0, wrong
+#     guesses: 0)
+# ```
+#
+# </details>

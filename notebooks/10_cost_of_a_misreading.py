@@ -16,7 +16,7 @@
 
 # %% [markdown] tags=["badge"]
 # [![Open in Colab](https://colab.research.google.com/assets/colab-badge.svg)](https://colab.research.google.com/github/zero2robot/seeing-like-a-robot/blob/main/notebooks/10_cost_of_a_misreading.ipynb)
-# About 30 minutes. That is an estimate, from words, cells and exercises.
+# About 40 minutes. That is an estimate, from words, cells and exercises.
 
 # %% [markdown]
 # # What does a misreading cost?
@@ -58,6 +58,7 @@ from IPython.display import Image
 import z2r
 from z2r.course import costs, rollouts
 from z2r.course.exercises import cost as practice
+from z2r.course.hunts import costs as hunt
 from z2r.pusht.cloning.data import read_examples
 from z2r.pusht.cloning.results import read_audited, read_results, read_rollout
 from z2r.pusht.cloning.rows import ROWS
@@ -521,7 +522,51 @@ print("exit code", audit.exit_code)
 #
 # If the audit finds something, its exit code is 1, and nothing trains: `&&` saw to that. Look at what it found, decide,
 # and only then go on.
+
+# %% [markdown]
+# ### Hunt: which of these ruins it? (about 9 min)
 #
+# Would you know it before you train? Here a hand goes to a goal on a table, in a world so small that training takes a
+# millisecond. In 22 of them a policy was trained with a misreading, and played. What it did is the truth.
+#
+# **Decide.** `ruins` gets the state, `(n, 6)`, and the action, `(n, 2)`, that the policy learns from. Then, of other
+# demonstrations, the state as it will *see* it and the action that it should *want* there. It returns `True` if a
+# policy that learnt so succeeds in less than half of its tries. (The state: x and y of the hand, x and y of the goal,
+# sine and cosine of a heading.) `hunt.examples()` has others.
+
+
+# %% tags=["exercise", "hunt"]
+def ruins(state, action, seen, wanted):
+    return ...
+
+
+hunt.score(ruins)
+
+# %% [markdown]
+# <details><summary>Hint</summary>
+#
+# `np.linalg.lstsq` learns the action from the state in one line; give it a column of ones as well. Let it choose for
+# `seen`, and compare that with `wanted`. The same way? About as far? Twice as far is not too far.
+#
+# </details>
+# <details><summary>Solution</summary>
+#
+# ```python
+# def ruins(state, action, seen, wanted):
+#     def with_one(values):
+#         return np.column_stack([values, np.ones(len(values))])
+#
+#     policy = np.linalg.lstsq(with_one(state), action, rcond=None)[0]
+#     chosen = with_one(seen) @ policy
+#     sizes = np.linalg.norm(chosen), np.linalg.norm(wanted)
+#     same_way = (chosen * wanted).sum() / np.prod(sizes) > 0.75
+#     as_far = 0.2 < sizes[0] / sizes[1] < 5
+#     return not (same_way and as_far)
+# ```
+#
+# </details>
+
+# %% [markdown]
 # ## You can now
 #
 # - **replay** recorded actions: it finds wrong axes, units and clocks in a second, and no delay of a frame or two;
@@ -532,3 +577,89 @@ print("exit code", audit.exit_code)
 #
 # This was the last page. The chapter after it is *behaviour cloning*: it trains on exactly such rows of state and
 # action as you can read now. Until then, take a dataset of your own, and [read it](08_your_dataset.ipynb).
+
+# %% [markdown] tags=["replies"]
+# <details><summary>One saved run: what the checkers reply</summary>
+#
+# **predict-replay: late ruins it**
+#
+# ```text
+# not yet: you said '0 of 6 and 0 of 6', it is 0 of 6 and 6 of 6. Exchanged, the
+#     pusher goes another way. Late, it goes the same way later, and nothing moves
+#     meanwhile: a block that nobody touches waits.
+# ```
+#
+# **predict-replay: a right answer**
+#
+# ```text
+# right: it is 0 of 6 and 6 of 6. Exchanged, the pusher goes another way. Late, it
+#     goes the same way later, and nothing moves meanwhile: a block that nobody
+#     touches waits.
+# ```
+#
+# **order: dear to cheap**
+#
+# ```text
+# not yet: you have exchanged as cheaper than drop-boundaries, and it is dearer.
+#     drop-boundaries: 291 of 300. Only the frames beside an episode's end are
+#         spoiled, and most frames are not beside one.
+#     exchanged: 0 of 300. Every push goes along the wrong axis, and no second
+#         look mends that.
+# ```
+#
+# **order: a right answer**
+#
+# ```text
+# right: drop-boundaries 291 of 300, late-2 257 of 300, yaw-swap-throughout 197 of
+#     300, fps-30-at-rollout 51 of 300, late-5 3 of 300, exchanged 0 of 300.
+# ```
+#
+# **order-again: wrong twice is worse**
+#
+# ```text
+# not yet: you have scale-eightfold-at-rollout as cheaper than
+#     scale-eightfold-throughout, and it is dearer.
+#     scale-eightfold-throughout: 287 of 300. The network learns with the same
+#         wrong number that it is played with.
+#     scale-eightfold-at-rollout: 5 of 300. The network has never seen its input
+#         so small.
+# ```
+#
+# **order-again: a right answer**
+#
+# ```text
+# right: scale-eightfold-throughout 287 of 300, velocity-by-10-fps 290 of 300,
+#     velocity-by-30-fps 17 of 300, scale-eightfold-at-rollout 5 of 300.
+# ```
+#
+# **interval: one of them not drawn**
+#
+# ```text
+# not yet: for a policy and itself, expected (0, 0) and got (-0.06, 0.05). The
+#     starts are the same for both policies. Are they still, once they are drawn
+#     again?
+# ```
+#
+# **interval: a right answer**
+#
+# ```text
+# right: all 4 trials agree with z2r.
+# ```
+#
+# **hunt: the way alone**
+#
+# ```text
+# not yet: 90 of 100 points. Right: 20, missed: 2, false alarms: 0.
+#     actions in centimetres a second: missed
+#     actions in metres a frame: missed
+#     Let one line learn the action from the state. Ask it where it will be, and
+#         compare: which way, how far?
+# ```
+#
+# **hunt: a right answer**
+#
+# ```text
+# right: 22 of 22, nothing missed, no false alarm. Another hunt: seed=1.
+# ```
+#
+# </details>

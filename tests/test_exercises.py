@@ -23,13 +23,6 @@ NOTEBOOKS = sorted((TESTS.parent / "notebooks").glob("*.py"))
 FOLDED = re.compile(r"<details><summary>(\w+)</summary>\n\n(.*?)\n\n</details>", re.DOTALL)
 
 
-@cache
-def solutions(stem: str) -> dict:
-    """Those of what is on the page, which may have no hunt yet."""
-    on_the_page = exercise_cells(TESTS.parent / f"notebooks/{stem}.py")
-    return {name: answers for name, answers in answers_of(stem).items() if name != "hunt" or name in on_the_page}
-
-
 def is_code(cell) -> bool:
     return cell.cell_type == "code" and "setup" not in cell.metadata.get("tags", [])
 
@@ -77,7 +70,7 @@ def notebook(request, tmp_path_factory) -> Iterator[tuple[Path, dict]]:
 def test_there_are_two_exercises_or_more_and_all_have_solutions(notebook):
     path, _ = notebook
     assert len(exercise_cells(path)) >= 2
-    assert set(exercise_cells(path)) == set(solutions(path.stem))
+    assert set(exercise_cells(path)) == set(answers_of(path.stem))
 
 
 def test_an_untouched_exercise_is_not_attempted(notebook):
@@ -88,14 +81,14 @@ def test_an_untouched_exercise_is_not_attempted(notebook):
 
 def test_the_solution_is_right(notebook):
     path, names = notebook
-    for exercise in solutions(path.stem).values():
+    for exercise in answers_of(path.stem).values():
         printed = run(exercise["solution"], dict(names))
         assert printed.startswith(RIGHT), printed
 
 
 def test_planted_wrong_answers_are_told_what_is_wrong(notebook):
     path, names = notebook
-    for exercise in solutions(path.stem).values():
+    for exercise in answers_of(path.stem).values():
         assert len(exercise["wrong"]) >= 3
         for source, message in exercise["wrong"].values():
             printed = run(source, dict(names))
@@ -105,7 +98,7 @@ def test_planted_wrong_answers_are_told_what_is_wrong(notebook):
 
 def test_after_a_wrong_prediction_there_is_another_question_that_can_be_answered(notebook):
     path, names = notebook
-    for exercise in solutions(path.stem).values():
+    for exercise in answers_of(path.stem).values():
         if "again" in exercise:
             wrong, right = exercise["again"]
             [first, *_] = exercise["wrong"].values()
@@ -129,7 +122,7 @@ def test_a_solution_is_on_the_page_only_where_it_is_unfolded(notebook):
     path, _ = notebook
     prose = jupytext.read(path).cells
     on_the_page = {line.strip() for cell in prose for line in FOLDED.sub("", cell.source).splitlines()}
-    for exercise in solutions(path.stem).values():
+    for exercise in answers_of(path.stem).values():
         assert {line.strip() for line in exercise["solution"].splitlines()} - on_the_page
 
 
@@ -137,5 +130,5 @@ def test_the_saved_run_is_what_the_checkers_reply(notebook):
     path, names = notebook
     page = jupytext.read(path)
     saved = [cell.source for cell in page.cells if "replies" in cell.metadata.get("tags", [])]
-    shown = chosen(page, solutions(path.stem)) if saved else []
+    shown = chosen(page, answers_of(path.stem)) if saved else []
     assert saved == [folded([(answer.title, run(answer.source, dict(names))) for answer in shown])] * len(saved)

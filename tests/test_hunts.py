@@ -620,7 +620,6 @@ def test_the_numbers_that_are_handed_out_are_the_learner_s_own():
 HUNTED = {stem: cell for stem in STEMS for cell in code_cells(committed(stem)) if "hunt" in cell_tags(cell)}
 
 
-@pytest.mark.xfail(strict=True, reason="the pages get their hunts when they are rewritten")
 def test_every_page_from_02_on_has_a_hunt():
     assert set(HUNTED) == {stem for stem in STEMS if stem >= "02"}
 
