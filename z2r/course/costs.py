@@ -52,6 +52,9 @@ DROPPED: Groups = {
 }
 """What can be left out; each is held against all of the same demonstrations."""
 
+RIVALS = ("faulty-mixture-unnamed", "faulty-mixture-as-many-shortest", "faulty-mixture-as-many-at-random")
+"""What the audit leaves of the mixture, and as many by a measure that looks at no fault."""
+
 RECIPE = ("no-mirror", "from-the-table", "plain", "one-frame")
 """The policy without a part of what makes it work; each is held against `right`."""
 
