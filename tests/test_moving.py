@@ -14,13 +14,15 @@ import numpy as np
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 from IPython import display
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 from PIL import Image
 from playwright.sync_api import Page, expect
 from test_report import Elements
 from test_report_in_browser import open_file
 
 import z2r
-from z2r.course import moving
+from z2r.course import animated, moving
 from z2r.course.field_guide import what_changes
 from z2r.course.moving.picture import MovingPicture
 from z2r.pusht.overlap import LIMIT, overlap
@@ -317,3 +319,24 @@ def test_the_table_says_of_each_mistake_what_the_package_says(open_picture):
     page.keyboard.press("Enter")
     expect(page.locator("#first")).to_have_text("They change: action, speed.")
     expect(page.locator("tr.chosen")).to_have_count(2)
+
+
+def test_a_label_of_an_axis_stands_in_a_film_once():
+    figure = Figure(figsize=(2, 2), layout="constrained")
+    axes = figure.subplots()
+    [line], label = axes.plot([0, 1], [0, 1]), axes.set_xlabel("at first")
+
+    def move(frame):
+        line.set_ydata([frame, 1])
+        label.set_text(f"frame {frame}")
+        return [line, label]
+
+    film = Image.open(io.BytesIO(animated.film(figure, move, range(3), 100)))
+    canvas = FigureCanvasAgg(figure)
+    for frame in range(3):
+        move(frame)
+        canvas.draw()
+        film.seek(frame + 1)
+        shown, anew = np.asarray(film.convert("RGB"), int), np.asarray(canvas.buffer_rgba())[..., :3].astype(int)
+        below = slice(int(figure.bbox.height - axes.bbox.y0) + 2, None)  # where the ticks and the label are
+        assert np.abs(shown[below] - anew[below]).max() < 60

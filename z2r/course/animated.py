@@ -38,10 +38,12 @@ def _snapshots(figure: Figure, move: Callable[[int], Sequence[Artist]], frames: 
     moving = move(frames[0])
     canvas.draw()  # lays it out
     figure.set_layout_engine("none")
-    for each in moving:
-        each.set_animated(True)
+    for each in moving:  # an axis draws its label even where that is animated: hide all of them
+        each.set_visible(False)
     canvas.draw()
     ground = canvas.copy_from_bbox(figure.bbox)
+    for each in moving:
+        each.set_visible(True)
     for frame in frames:
         canvas.restore_region(ground)
         for each in move(frame):
