@@ -442,7 +442,7 @@ def _fold_block(
         sums = {name: run_sums(signal, starts, marked.get(name)) for name, signal in signals.items()}
         stats = {name: stats for name, (stats, _) in sums.items()}
         task_pairs = fold_tasks(frames)
-        following, usual = fold_following(pairs, signals, starts, frames.head, last.usual)
+        following, usual = fold_following(pairs, signals, stats, starts, frames.head, last.usual)
         idle, reach = fold_idle(frames, stats, last.reach)
         kept = FileSums(
             n_rows=frames.read.n_rows,

@@ -182,7 +182,9 @@ def _column_steps(
     hits = np.flatnonzero(size == np.repeat(largest, count))[::-1]  # the first of each run is written last
     run = run_of(hits, starts)
     at[run] = hits - starts[run]
-    around[run] = np.maximum(size[np.maximum(hits - 1, 0)], np.append(size, 0)[hits + 1])  # 0 where a run begins
+    next_one = np.minimum(hits + 1, len(size) - 1)
+    after = np.where(next_one > hits, size[next_one], 0)
+    around[run] = np.maximum(size[np.maximum(hits - 1, 0)], after)  # 0 where a run begins
     third = np.zeros(len(size))
     second = change[1:] - change[:-1]
     np.subtract(second[2:], second[1:-1], out=third[3:])
@@ -197,9 +199,15 @@ def _column_steps(
         "at_low": count_in_runs(values == values.min(), starts),
         "at_high": count_in_runs(values == values.max(), starts),
         "noise": np.add.reduceat(np.abs(third), starts),
-        "alternates": np.add.reduceat(third * np.append(third[1:], 0.0), starts) < _ALTERNATES * squares,
+        "alternates": np.add.reduceat(_times_the_next(third), starts) < _ALTERNATES * squares,
         **_stalls(size, moving, starts, count),
     }
+
+
+def _times_the_next(values: Floats) -> Floats:
+    products = np.zeros(len(values))
+    np.multiply(values[:-1], values[1:], out=products[:-1])
+    return products
 
 
 def _stalls(size: Floats, moving: Bools, starts: Ints, count: Ints) -> dict[str, Any]:
