@@ -55,7 +55,7 @@ def open_parquet(path: Path) -> pq.ParquetFile:
 
 def _opened(source: pa.NativeFile, **options: Any) -> pq.ParquetFile:
     file = pq.ParquetFile(source, **options)
-    file.source = source
+    file.source, file.counted = source, {}
     return file
 
 
@@ -235,9 +235,13 @@ def count_values(file: pq.ParquetFile, columns: Sequence[str]) -> dict[str, int]
 
 
 def _n_values(file: pq.ParquetFile, leaves: range, groups: Sequence[int]) -> int:
-    """Count the values of lists in some row groups."""
-    metadata, lists = file.metadata, [leaf for leaf in leaves if file.schema.column(leaf).max_repetition_level]
-    return sum(metadata.row_group(group).column(leaf).num_values for leaf in lists for group in groups)
+    """Count the values of lists in the first row groups; once, for a file may have very many of these."""
+    if (leaves, len(groups)) not in file.counted:
+        metadata, lists = file.metadata, [leaf for leaf in leaves if file.schema.column(leaf).max_repetition_level]
+        n = sum(metadata.row_group(group).column(leaf).num_values for leaf in lists for group in groups)
+        file.counted[leaves, len(groups)] = n
+    n_values: int = file.counted[leaves, len(groups)]
+    return n_values
 
 
 def _text_bytes(file: pq.ParquetFile, leaves: range, groups: Sequence[int]) -> int:
@@ -301,9 +305,9 @@ def _check_rows(path: Path, n_read: int, claimed: int) -> None:
 def _blocks_of_row_groups(file: pq.ParquetFile, groups: Sequence[int], at_once: int) -> Iterator[list[int]]:
     """Put row groups together that have so many rows at most, or one that has more."""
     block: list[int] = []
-    n_rows = 0
+    n_rows, metadata = 0, file.metadata
     for group in groups:
-        own = file.metadata.row_group(group).num_rows
+        own = metadata.row_group(group).num_rows
         if block and n_rows + own > at_once:
             yield block
             block, n_rows = [], 0
