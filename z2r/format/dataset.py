@@ -25,7 +25,7 @@ from z2r.format.episodes import DataFile, EpisodeIndex, EpisodeTable, shard_path
 from z2r.format.misread import Misread
 from z2r.format.parquet import count_values, open_parquet, read_alike, read_columns, vectors
 from z2r.format.schema import ACTION, STATE, Schema, read_schema
-from z2r.format.store import folder_name, inside, is_far
+from z2r.format.store import all_inside, folder_name, is_far
 from z2r.format.tables import DataColumns, join_shards, read_shard
 
 # Each thread holds one data file in memory: more threads than this would trade memory for little time.
@@ -365,9 +365,5 @@ def _read_episodes(root: Path, schema: Schema) -> tuple[EpisodeIndex, tuple[Data
 def _data_files(root: Path, table: EpisodeTable, paths: Sequence[Path]) -> tuple[DataFile, ...]:
     first = np.flatnonzero(np.diff(table.file_number, prepend=-1))
     last = np.append(first[1:], len(table.number)) - 1
-    return tuple(
-        DataFile(inside(root, paths[number]), start, stop)
-        for number, start, stop in zip(
-            table.file_number[first].tolist(), table.start[first].tolist(), table.stop[last].tolist(), strict=True
-        )
-    )
+    places = all_inside(root, [paths[number] for number in table.file_number[first].tolist()])
+    return tuple(map(DataFile, places, table.start[first].tolist(), table.stop[last].tolist()))

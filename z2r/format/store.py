@@ -63,6 +63,39 @@ def inside(root: Path, relative: Path | str) -> Path:
     return path
 
 
+def all_inside(root: Path, relatives: Iterable[Path]) -> list[Path]:
+    """Return paths below `root` as `inside` does, where there may be very many: each folder is followed once.
+
+    Raises
+    ------
+    DatasetError
+        As `inside`, of the first that is refused.
+    """
+    paths: list[Path] = []
+    known: dict[Path, bool] = {}
+    for relative in relatives:
+        path = root / relative
+        if path.parent not in known:
+            known[path.parent] = _is_folder_inside(root, path.parent)
+        paths.append(path if known[path.parent] and _is_plain_file(path) else inside(root, relative))
+    return paths
+
+
+def _is_folder_inside(root: Path, folder: Path) -> bool:
+    try:
+        return not isinstance(root, Url) and _is_within(root, os.path.realpath(folder))
+    except (OSError, ValueError):
+        return False
+
+
+def _is_plain_file(path: Path) -> bool:
+    """Tell whether a file is there that is no link."""
+    try:
+        return stat.S_ISREG(path.lstat().st_mode)
+    except (OSError, ValueError):
+        return False
+
+
 def _inside_url(root: Url, path: Path) -> Path:
     """Object storage knows neither links nor devices, and ``..`` is a name there as any other: for some programs."""
     if ".." in path.parts or not path.is_relative_to(root) or "\0" in str(path):
