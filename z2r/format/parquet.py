@@ -128,11 +128,10 @@ def read_alike(files: Sequence[tuple[Path, int]], sizes: Mapping[str, int]) -> p
         itself learns which one, and why.
     """
     try:
-        first = _opened(open_mapped(files[0][0]))
-        counts = _leaves_of_numbers(first, sizes)
-        tables = []
-        for path, n_rows in files if counts else ():
-            file = _opened(open_mapped(path))
+        opened = (_opened(open_mapped(path)) for path, _ in files)
+        first = next(opened)
+        counts, tables = _leaves_of_numbers(first, sizes), []
+        for file, (_, n_rows) in zip(itertools.chain([first], opened), files, strict=True) if counts else ():
             if not (file.schema.equals(first.schema) and _holds(file, n_rows, counts)):
                 return None
             tables.append(file.read(list(sizes), use_threads=False))
