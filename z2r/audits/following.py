@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from z2r.arrays import Bools, Columns, Floats, Ints
+from z2r.arrays import Bools, Columns, Floats, Ints, stack_columns
 from z2r.audits.frames import RunStats
 from z2r.audits.steps import Counts, change_in_runs, count_in_runs, is_a_turn, run_of
 from z2r.format.schema import ACTION, STATE, Schema, column_label
@@ -151,7 +151,8 @@ def _kin(
     stems = [_stem(name) for name in columns]
     for dim, command in enumerate(commands):
         said = _stem(command)
-        kin = [column for column, stem in enumerate(stems) if stem in (said, _without_motion(said))]
+        alike = said, _without_motion(said)
+        kin = [column for column, stem in enumerate(stems) if stem in alike]
         if dim not in named and len(kin) == 1 and kin[0] not in taken:
             yield dim, kin[0]
 
@@ -227,7 +228,7 @@ def fold_following(
     known: Sequence[Usual | int] = usual or [head] * len(pairs)
     folded = [_fold_pair(pairs, place, columns, stats, starts, stops, known[place]) for place in range(len(pairs))]
     parts, now = zip(*folded, strict=True)
-    each = {name: np.stack([part[name] for part in parts], axis=1) for name in Following._fields if name != "n"}
+    each = {name: stack_columns([part[name] for part in parts]) for name in Following._fields if name != "n"}
     return Following((stops - starts).astype(np.float64), **each), now
 
 
@@ -376,9 +377,13 @@ def _stray(asked: Floats, seen: Floats, starts: Ints, stops: Ints, usual: Usual)
     if usual.lag is None or usual.lag.kind:
         return {"beside": worst, "beside_at": at}
     lag = usual.lag.lag
-    beside = asked - usual.factor * np.roll(seen, -lag)
-    on_average = usual.mean_asked - usual.factor * usual.mean_seen
-    mean = np.abs(_sums_of_a_second(beside - on_average)) / _SECOND  # of the frames from each on
+    beside = np.roll(seen, -lag)
+    beside *= usual.factor
+    np.subtract(asked, beside, out=beside)
+    beside -= usual.mean_asked - usual.factor * usual.mean_seen
+    mean = _sums_of_a_second(beside)  # of the frames from each on
+    np.abs(mean, out=mean)
+    mean /= _SECOND
     first, last = starts + max(-lag, 0), stops - max(lag, 0) - _SECOND
     long = first < last
     if not long.any():
