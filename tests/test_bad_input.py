@@ -1,6 +1,8 @@
 """Every fault is one DatasetError that names the place, and no run writes to a dataset."""
 
+import os
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -9,7 +11,9 @@ from damages import BASES, DAMAGES, DATA, ON_DATA, ON_VALUES, edit_info, fingerp
 import z2r
 from z2r.api import choose_reading, scene_of
 from z2r.audits.both import inspect_and_audit
+from z2r.errors import DatasetError
 from z2r.format.schema import data_file_path, read_schema
+from z2r.format.store import all_inside, inside
 
 FAULTS = {kind: damage for kind, damage in DAMAGES.items() if damage.reader is not None}
 
@@ -110,3 +114,31 @@ def test_an_unpadded_template_is_fine(standin_copy):
     edit_info(standin_copy, data_path="data/{chunk_index}-{file_index:d}.parquet")
     read_all(standin_copy)
     assert data_file_path(read_schema(standin_copy), 3, 14) == Path("data/3-14.parquet")
+
+
+@pytest.mark.parametrize("place", ["dataset", "snapshots/dataset"])
+def test_many_paths_are_inside_where_each_is(place, tmp_path):
+    root, beside = tmp_path / place, tmp_path / "beside"
+    for folder in (root / "own", beside, tmp_path / "blobs"):
+        folder.mkdir(parents=True)
+        (folder / "file").touch()
+    (root / "in").symlink_to(root / "own")
+    (root / "out").symlink_to(beside)
+    (root / "own/out").symlink_to(beside / "file")
+    (root / "own/in").symlink_to(root / "own/file")
+    (root / "own/blob").symlink_to(tmp_path / "blobs/file")
+    (root / "own/round").symlink_to(root / "own/round")
+    (beside / "back").symlink_to(root / "own/file")
+    os.mkfifo(root / "own/pipe")
+    names = ["file", "out", "in", "blob", "round", "back", "pipe", "missing", "../file", "nul\0"]
+
+    def said(paths: Callable[[], object]) -> object:
+        try:
+            return paths()
+        except DatasetError as error:
+            return error.fault
+
+    for relative in (Path(folder, name) for folder in ("own", "in", "out", "no", "..") for name in names):
+        each = said(lambda relative=relative: inside(root, relative))
+        assert said(lambda relative=relative: all_inside(root, [relative])[0]) == each
+        assert said(lambda relative=relative: all_inside(root, [Path("own/file"), relative])[1]) == each

@@ -280,3 +280,20 @@ def test_help_teaches(tmp_path):
         assert result.returncode == 0
         assert "z2r" in result.stdout
     assert run("--version", cwd=tmp_path).stdout.startswith("z2r ")
+
+
+def test_commands_tell_the_linear_algebra_to_use_one_thread_before_it_is_there():
+    """It reads the variable once."""
+    code = """
+import os, sys
+class Watch:
+    def find_spec(self, name, *_):
+        if name == "numpy":
+            print(os.environ.get("OPENBLAS_NUM_THREADS"))
+sys.meta_path.insert(0, Watch())
+from z2r.cli import main
+import numpy
+"""
+    environment = {name: value for name, value in os.environ.items() if name != "OPENBLAS_NUM_THREADS"}
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment)
+    assert done.stdout == "1\n"

@@ -2,7 +2,7 @@
 
 import multiprocessing
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
 
@@ -12,10 +12,12 @@ import pyarrow.parquet as pq
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from layouts import last_action, lay_out, random_frames
+from layouts import last_action, lay_out, random_frames, to_arrow
 
 import z2r
+from z2r.arrays import Columns
 from z2r.format.dataset import in_order, map_files
+from z2r.format.episodes import DataFile
 
 
 def oracle(root: Path):
@@ -126,6 +128,76 @@ def test_progress_counts_frames_up_to_the_last_one(recorded):
     n = dataset.episodes.n_frames
     assert seen == [(file.to_index, n) for file in dataset.files]
     assert seen[-1] == (n, n)
+
+
+# --- small files that are read together
+
+
+def change(file: Path, do: Callable[[pa.Table], pa.Table]) -> None:
+    pq.write_table(do(pq.read_table(file)), file)
+
+
+def with_column(table: pa.Table, name: str, values: pa.Array) -> pa.Table:
+    return table.set_column(table.column_names.index(name), name, values)
+
+
+def with_nan(table: pa.Table) -> pa.Table:
+    values = np.array(table["action"].to_pylist(), np.float32)
+    values[1, 0] = np.nan
+    return with_column(table, "action", to_arrow(values))
+
+
+SMALL_DAMAGES = {
+    "none": lambda _: None,
+    "missing": Path.unlink,
+    "cut": lambda file: os.truncate(file, 100),
+    "a row less": lambda file: change(file, lambda table: table[:-1]),
+    "no action": lambda file: change(file, lambda table: table.drop_columns("action")),
+    "two actions": lambda file: change(file, lambda table: table.append_column("action", table["action"])),
+    "wider action": lambda file: change(file, lambda t: with_column(t, "action", to_arrow(np.zeros((len(t), 3))))),
+    "text": lambda file: change(file, lambda t: with_column(t, "action", pa.array(["1"] * len(t)))),
+    "no value": lambda file: change(file, lambda t: with_column(t, "action", pa.array([None] * len(t), pa.float32()))),
+    "NaN": lambda file: change(file, with_nan),
+    "as float64": lambda file: change(file, lambda t: with_column(t, "action", to_arrow(np.ones((len(t), 2))))),
+    "lists": lambda file: change(file, lambda t: with_column(t, "action", pa.array(t["action"].to_pylist()))),
+}
+
+
+@pytest.mark.parametrize("which", [[1], [0, 1, 2]], ids=["one", "all"])
+@pytest.mark.parametrize("damage", SMALL_DAMAGES)
+def test_small_files_that_are_read_together_say_what_each_says(damage, which, tmp_path, monkeypatch):
+    lay_out(tmp_path / "dataset", lengths=[3, 4, 5, 6], files=[1, 1, 2], shards=[4])
+    dataset, n_blocks = z2r.load(tmp_path / "dataset"), 0
+    for number in which:
+        SMALL_DAMAGES[damage](dataset.files[number].path)
+
+    def keep(file: DataFile, frames: Columns) -> tuple[int, Columns]:
+        nonlocal n_blocks
+        n_blocks += 1
+        return file.from_index, frames
+
+    def read(together: int) -> object:
+        monkeypatch.setattr("z2r.format.dataset._MAX_TOGETHER", together)
+        try:
+            parts = map_files(dataset, ["action", "index"], keep)
+        except z2r.DatasetError as error:
+            return str(error)
+        assert [first for first, _ in parts] == [int(frames["index"][0, 0]) for _, frames in parts]
+        return {name: np.concatenate([frames[name] for _, frames in parts]).tolist() for name in ("action", "index")}
+
+    alone = read(1)
+    n_alone, n_blocks = n_blocks, 0
+    assert read(64) == alone
+    assert isinstance(alone, str) == (damage not in ("none", "as float64", "lists"))
+    if damage == "none":
+        assert (n_alone, n_blocks) == (3, 1)
+
+
+@pytest.mark.parametrize("n_episodes", [1, 2, 3, 4])
+def test_small_files_are_cut_where_the_first_episodes_end(n_episodes, tmp_path):
+    lay_out(tmp_path / "dataset", lengths=[3, 4, 5, 6], files=[1, 1, 2], shards=[4])
+    first = z2r.load(tmp_path / "dataset").first(n_episodes)
+    assert first.read("index")[:, 0].tolist() == list(range(sum([3, 4, 5, 6][:n_episodes])))
 
 
 # --- who runs it

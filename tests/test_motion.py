@@ -17,8 +17,9 @@ from robots import write_arm
 from test_scales import found
 
 import z2r
+from z2r.arrays import Columns
 from z2r.audits import relations
-from z2r.audits.following import Pair, fold_following
+from z2r.audits.following import Following, Pair, fold_following
 from z2r.audits.steps import run_sums
 from z2r.reading.reading import ColumnMeaning
 
@@ -162,6 +163,15 @@ def lagging(n: int, lag: int, factor: float, noise: float, rng: np.random.Genera
     return command[30 : 30 + n], state[30 : 30 + n]
 
 
+def follow(columns: Columns, starts: np.ndarray) -> Following:
+    """Say how the only column of the state follows the only one of the action, in each run."""
+    stats = {name: run_sums(values, starts)[0] for name, values in columns.items()}
+    pair = Pair(0, "observation.state", 0, "action", "observation.state")
+    found, _ = fold_following([pair], columns, stats, starts, head=len(starts))
+    assert found is not None
+    return found
+
+
 @given(
     lag=st.integers(-8, 15),
     factor=st.sampled_from([1.0, -1.0, 180 / np.pi, 0.01, 1.25]),
@@ -173,8 +183,7 @@ def test_lag_and_factor_of_a_joint_are_those_that_it_was_made_with(lag, factor, 
     parts = [lagging(n, lag, factor, 0.01 / abs(factor), rng) for n in lengths]
     action, state = (np.concatenate(each)[:, None] for each in zip(*parts, strict=True))
     starts = np.cumsum([0, *lengths])[:-1]
-    pair = Pair(0, "observation.state", 0, "action", "observation.state")
-    found, _ = fold_following([pair], {"action": action, "observation.state": state}, starts, head=len(starts))
+    found = follow({"action": action, "observation.state": state}, starts)
     assert found.lag[:, 0] == pytest.approx(lag, abs=1)
     assert found.factor[:, 0] == pytest.approx(factor, rel=0.05)
 
@@ -186,8 +195,7 @@ def test_nothing_follows_where_nothing_moves(value, still, seed):
     action, state = (each[:, None] for each in lagging(400, 3, 1.0, 0.01, np.random.default_rng(seed)))
     columns = {"action": action, "observation.state": state}
     columns[still][100:300] = value  # the second of three runs, and both ends of it
-    pair = Pair(0, "observation.state", 0, "action", "observation.state")
-    found, _ = fold_following([pair], columns, np.array([0, 100, 300]), head=3)
+    found = follow(columns, np.array([0, 100, 300]))
     assert found.explained[1, 0] == 0
     assert np.isnan(found.lag[1, 0])
 

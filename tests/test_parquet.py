@@ -8,7 +8,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from z2r.errors import DatasetError
-from z2r.format.parquet import integers, open_parquet, read_columns, vectors
+from z2r.format.parquet import integers, open_parquet, read_alike, read_columns, vectors
 
 ROWS = 7
 NUMBERS = np.arange(ROWS * 6, dtype=np.float32)
@@ -76,3 +76,24 @@ def test_a_column_that_is_not_what_the_schema_says_is_named(column, shape, tmp_p
 def test_no_more_row_groups_are_read_than_the_rows_need(n_rows, tmp_path):
     path = write(tmp_path / "x.parquet", pa.array(range(ROWS)))
     assert integers(read(path, n_rows), "x", path).tolist() == list(range(min(-(-n_rows // 3) * 3, ROWS)))
+
+
+@pytest.mark.parametrize(
+    ("second", "size"),
+    [
+        (pa.array([[1.0] * 70, [1.0]], pa.list_(pa.float64())), 2),
+        (pa.array([[1.0, 2.0], [3.0, 4.0]], pa.list_(pa.float32())), 2),
+        (pa.array(["long", "text"]), 1),
+        (pa.array([[1.0, 2.0]], pa.list_(pa.float64())), 2),
+    ],
+    ids=["more numbers", "another type", "text", "a row less"],
+)
+def test_small_files_are_not_decoded_where_their_footers_are_not_alike(second, size, tmp_path, monkeypatch):
+    """A few bytes may claim to be very many numbers."""
+    decoded: list[int] = []
+    monkeypatch.setattr(pq.ParquetFile, "read", lambda *_, **__: decoded.append(1))
+    first = second if size == 1 else pa.array([[1.0, 2.0], [3.0, 4.0]], pa.list_(pa.float64()))
+    for name, values in (("first", first), ("second", second)):
+        pq.write_table(pa.table({"x": values}), tmp_path / name)
+    assert read_alike([(tmp_path / "first", 2), (tmp_path / "second", 2)], {"x": size}) is None
+    assert len(decoded) == (size != 1)

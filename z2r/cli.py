@@ -7,6 +7,7 @@ import contextlib
 import functools
 import importlib.util
 import io
+import os
 import re
 import sys
 from collections.abc import Callable, Iterator
@@ -15,6 +16,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, NoReturn
 
 import rich_click as click
+
+# Before numpy is there. Files are read by threads of our own; those of the linear algebra would wait for their small
+# parts of it by turning in circles, which costs as much as half an audit.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from z2r.data import MESSY, STANDIN, find_dataset
 from z2r.errors import DatasetError, MissingExtraError, count, one_error

@@ -45,7 +45,7 @@ from z2r.audits.labels import Labels, fold_labels, labels_of_episodes
 from z2r.audits.looks import Looks, looks_of_glances, looks_of_sizes
 from z2r.audits.readiness import fold_idle
 from z2r.audits.relations import keep_moments, moments_to_keep
-from z2r.audits.runs import FileSums, Runs, join_runs
+from z2r.audits.runs import FileSums, Motion, Runs, join_runs
 from z2r.audits.steps import moves, run_sums
 from z2r.audits.tasks import fold_tasks
 from z2r.check import SEVERITIES, Check, asked_of, parts_in
@@ -265,12 +265,12 @@ def audit_beside[T](
     findings += ask(asked_of(Claims, PARTS), claims)
     files = file_claims(claims, under_mode=mode is not None)
     if meta_only:
-        sums, made = _fold_footers(claims, files, progress, executor), list[T]()
+        sums, moved, made = _fold_footers(claims, files, progress, executor), None, list[T]()
         findings += ask(asked_of(stats.Summaries, PARTS), stats.Summaries(claims))
     else:
-        sums, made = _fold_files(claims, files, scene, pictures, beside, progress, executor)
+        sums, moved, made = _fold_files(claims, files, scene, pictures, beside, progress, executor)
     findings += [finding for part in sums for finding in part.findings]
-    runs = join_runs(claims, files, sums)
+    runs = join_runs(claims, files, sums, moved)
     findings += _ask_of_all(claims, files, sums, runs, scene)
     try:
         footage = read_footage(claims, executor)
@@ -329,17 +329,20 @@ def _fold_files[T](
     beside: Callable[[Path, DataColumns], T] | None,
     progress: Progress,
     executor: Executor | None,
-) -> tuple[list[FileSums], list[T]]:
+) -> tuple[list[FileSums], Motion | None, list[T]]:
+    """Fold all data files; what is kept of their motion is taken out of their sums, and put together."""
     schema, numbers, pairs = claims.schema, claims.stored.task_numbers, pairs_of(claims.schema, claims.reading)
     n_moments = moments_to_keep(schema, len(claims.table.number))
     fold = partial(_fold_block, claims.root, schema, numbers, claims.reading, pairs, scene, pictures, n_moments)
     work = partial(_read_and_fold, claims.root, schema, _wants_whole_files(claims, scene), fold, beside)
-    sums, made = [], []
+    sums, pile, made = [], Pile(len(claims.table.number)), []
     for part, other in in_order(work, files, executor):
-        sums.append(part)
+        if part.n_rows:
+            pile.add(Motion(part.stats, part.steps))
+        sums.append(part._replace(stats={}, steps={}))
         made += other
         progress(len(sums), len(files))
-    return sums, made
+    return sums, pile.whole, made
 
 
 def _wants_whole_files(claims: Claims, scene: Scene | None) -> bool:
@@ -442,7 +445,7 @@ def _fold_block(
         sums = {name: run_sums(signal, starts, marked.get(name)) for name, signal in signals.items()}
         stats = {name: stats for name, (stats, _) in sums.items()}
         task_pairs = fold_tasks(frames)
-        following, usual = fold_following(pairs, signals, starts, frames.head, last.usual)
+        following, usual = fold_following(pairs, signals, stats, starts, frames.head, last.usual)
         idle, reach = fold_idle(frames, stats, last.reach)
         kept = FileSums(
             n_rows=frames.read.n_rows,

@@ -7,12 +7,13 @@ told by its first runs (`Usual`), so that no later one has to wait for those tha
 """
 
 import re
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from z2r.arrays import Bools, Columns, Floats, Ints
+from z2r.arrays import Bools, Columns, Floats, Ints, stack_columns
+from z2r.audits.frames import RunStats
 from z2r.audits.steps import Counts, change_in_runs, count_in_runs, is_a_turn, run_of
 from z2r.format.schema import ACTION, STATE, Schema, column_label
 from z2r.reading.joints import joints_of
@@ -150,7 +151,8 @@ def _kin(
     stems = [_stem(name) for name in columns]
     for dim, command in enumerate(commands):
         said = _stem(command)
-        kin = [column for column, stem in enumerate(stems) if stem in (said, _without_motion(said))]
+        alike = said, _without_motion(said)
+        kin = [column for column, stem in enumerate(stems) if stem in alike]
         if dim not in named and len(kin) == 1 and kin[0] not in taken:
             yield dim, kin[0]
 
@@ -189,7 +191,12 @@ class Usual(NamedTuple):
 
 
 def fold_following(
-    pairs: Sequence[Pair], columns: Columns, starts: Ints, head: int, usual: Sequence[Usual] = ()
+    pairs: Sequence[Pair],
+    columns: Columns,
+    stats: Mapping[str, RunStats],
+    starts: Ints,
+    head: int,
+    usual: Sequence[Usual] = (),
 ) -> tuple[Following | None, Sequence[Usual]]:
     """Sum up how the columns of one data file follow their commands.
 
@@ -199,6 +206,8 @@ def fold_following(
         Of `pairs_of`.
     columns : dict of str to ndarray
         The frames of the file, or of a block of whole runs of it.
+    stats : dict of str to RunStats
+        What is known of each run of these.
     starts : ndarray, int64[n_runs]
         The first row of each run of frames.
     head : int
@@ -217,9 +226,9 @@ def fold_following(
         return None, ()
     stops = np.append(starts[1:], len(columns[ACTION]))
     known: Sequence[Usual | int] = usual or [head] * len(pairs)
-    folded = [_fold_pair(pairs, place, columns, starts, stops, known[place]) for place in range(len(pairs))]
+    folded = [_fold_pair(pairs, place, columns, stats, starts, stops, known[place]) for place in range(len(pairs))]
     parts, now = zip(*folded, strict=True)
-    each = {name: np.stack([part[name] for part in parts], axis=1) for name in Following._fields if name != "n"}
+    each = {name: stack_columns([part[name] for part in parts]) for name in Following._fields if name != "n"}
     return Following((stops - starts).astype(np.float64), **each), now
 
 
@@ -233,7 +242,9 @@ class _Lag(NamedTuple):
     explained: float
 
 
-def _usual(asked: Floats, seen: Floats, starts: Ints, stops: Ints, head: int) -> tuple[Usual, dict[str, Floats]]:
+def _usual(
+    asked: Floats, seen: Floats, ranges: dict[str, Floats], starts: Ints, stops: Ints, head: int
+) -> tuple[Usual, dict[str, Floats]]:
     """Say how a column follows in the first runs of a file, and how in each of all runs, as `_fit_runs` does."""
     lag = _usual_lag(asked, seen, starts[:head], stops[:head])
     target = change_in_runs(seen, starts) if lag and lag.kind else seen
@@ -241,7 +252,7 @@ def _usual(asked: Floats, seen: Floats, starts: Ints, stops: Ints, head: int) ->
     fit = _fit_runs(asked, target, starts, stops, lag.lag if lag else 0, means)
     well = fit["explained"][:head] > _POOR
     factor = float(np.median(fit["factor"][:head][well])) if well.any() else 1.0
-    moves = _moves(_ranges(asked, starts), _ranges(seen, starts), stops - starts)[:head]
+    moves = _moves(ranges["asked"], ranges["moved"], stops - starts)[:head]
     good = float(np.quantile(1 - fit["explained"][:head][moves], 0.2)) if moves.any() else 0.0
     return Usual(lag, *means, factor, good, _MAX_LOOKS if lag else _SAMPLE), fit
 
@@ -264,18 +275,26 @@ def _rows(run: int, starts: Ints, stops: Ints) -> slice:
 
 
 def _fold_pair(
-    pairs: Sequence[Pair], place: int, columns: Columns, starts: Ints, stops: Ints, known: Usual | int
+    pairs: Sequence[Pair],
+    place: int,
+    columns: Columns,
+    stats: Mapping[str, RunStats],
+    starts: Ints,
+    stops: Ints,
+    known: Usual | int,
 ) -> tuple[dict[str, Any], Usual]:
     """Sum up one pair: every field of `Following` but the first, each float64[n_runs]; and what is usual.
 
     What is usual is known, or so many of the first runs tell.
     """
-    asked, seen = _command(pairs[place], columns), _column(pairs[place], columns)
-    changes = change_in_runs(asked, starts)
-    ranges = {"asked": _ranges(asked, starts), "moved": _ranges(seen, starts)}
+    pair = pairs[place]
+    asked, seen = _command(pair, columns), _column(pair, columns)
+    of_asked, of_seen = stats[ACTION].column(pair.dim), stats[pair.feature].column(pair.column)
+    ranges = {"asked": of_asked.high - of_asked.low, "moved": of_seen.high - of_seen.low}
+    changes = _changes(asked, starts)
     turns = {
-        "turns_asked": _turns(changes, ranges["asked"], starts),
-        "turns_seen": _turns(change_in_runs(seen, starts), ranges["moved"], starts),
+        "turns_asked": _turns(asked, of_asked.step, ranges["asked"], starts),
+        "turns_seen": _turns(seen, of_seen.step, ranges["moved"], starts),
     }
     both = np.logical_and(*turns.values())
     if both.any():
@@ -288,7 +307,7 @@ def _fold_pair(
         target = change_in_runs(seen, starts) if lag and lag.kind else seen
         fit = _fit_runs(asked, target, starts, stops, lag.lag if lag else 0, known[1:3])
     else:
-        usual, fit = _usual(asked, seen, starts, stops, known)
+        usual, fit = _usual(asked, seen, ranges, starts, stops, known)
     nothing = np.full(len(starts), np.nan)
     found: dict[str, Any] = {
         **ranges,
@@ -299,7 +318,7 @@ def _fold_pair(
         "other_explained": nothing.copy(),
         **_stray(asked, seen, starts, stops, usual),
         **turns,
-        **_copied(asked, seen, changes != 0, starts),
+        **_copied(asked, seen, changes, starts),
     }
     looks = _worth_a_look(found, stops - starts, usual)
     for run in looks:
@@ -319,12 +338,19 @@ def _ranges(values: Floats, starts: Ints) -> Floats:
     return ranges
 
 
-def _turns(changes: Floats, ranges: Floats, starts: Ints) -> Counts:
-    """Count the steps of a whole turn in each run."""
-    sizes = np.abs(changes)
-    turning = is_a_turn(np.maximum.reduceat(sizes, starts), ranges)
-    if not turning.any():
+def _changes(values: Floats, starts: Ints) -> Bools:
+    """Say of each frame whether a column is not what it was in the frame before of the same run."""
+    changes = np.empty(len(values), dtype=bool)
+    np.not_equal(values[1:], values[:-1], out=changes[1:])
+    changes[starts] = False
+    return changes
+
+
+def _turns(values: Floats, largest: Floats, ranges: Floats, starts: Ints) -> Counts:
+    """Count the steps of a whole turn in each run, of which the largest step is known."""
+    if not is_a_turn(largest, ranges).any():
         return np.zeros(len(starts), np.int32)
+    sizes = np.abs(change_in_runs(values, starts))
     return count_in_runs(is_a_turn(sizes, np.repeat(ranges, np.diff(starts, append=len(sizes)))), starts)
 
 
@@ -351,9 +377,13 @@ def _stray(asked: Floats, seen: Floats, starts: Ints, stops: Ints, usual: Usual)
     if usual.lag is None or usual.lag.kind:
         return {"beside": worst, "beside_at": at}
     lag = usual.lag.lag
-    beside = asked - usual.factor * np.roll(seen, -lag)
-    on_average = usual.mean_asked - usual.factor * usual.mean_seen
-    mean = np.abs(_sums_of_a_second(beside - on_average)) / _SECOND  # of the frames from each on
+    beside = np.roll(seen, -lag)
+    beside *= usual.factor
+    np.subtract(asked, beside, out=beside)
+    beside -= usual.mean_asked - usual.factor * usual.mean_seen
+    mean = _sums_of_a_second(beside)  # of the frames from each on
+    np.abs(mean, out=mean)
+    mean /= _SECOND
     first, last = starts + max(-lag, 0), stops - max(lag, 0) - _SECOND
     long = first < last
     if not long.any():

@@ -212,6 +212,10 @@ class RunStats(NamedTuple):
         std: Floats = np.sqrt(self.squares / self.n[:, None])
         return std
 
+    def column(self, column: int) -> "RunStats":
+        """Return those of one column: all float64[n_runs]."""
+        return RunStats(self.n, *(each[:, column] for each in self[1:]))
+
     def first(self, n_runs: int) -> "RunStats":
         """Return the first runs."""
         return RunStats(*(each[:n_runs] for each in self))

@@ -119,19 +119,26 @@ def _joined_moments(parts: Sequence[FileSums]) -> NDArray[np.float32] | None:
     return joined
 
 
-def join_runs(claims: Claims, files: Sequence[FileClaims], sums: Sequence[FileSums]) -> Runs | None:
-    """Put the runs of all files that can be read after each other; None where some do not say what episode it is.
+class Motion(NamedTuple):
+    """Of all files that could be read, in their order: the statistics and steps of each feature that all of them have.
 
-    Statistics and steps are taken out of `sums`: they would be held twice.
+    They are most of what is kept of a dataset. So they are put together as they come: no file's own are held beside.
     """
+
+    stats: dict[str, RunStats]
+    steps: dict[str, RunSteps]
+
+
+def join_runs(
+    claims: Claims, files: Sequence[FileClaims], sums: Sequence[FileSums], motion: Motion | None
+) -> Runs | None:
+    """Put the runs of all files that can be read after each other; None where some do not say what episode it is."""
     read = [number for number, part in enumerate(sums) if part.n_rows]
     numbers = [sums[number].numbers for number in read]
     known = [each for each in numbers if each is not None]
-    if not read or len(known) < len(read):
+    if motion is None or len(known) < len(read):
         return None
     parts = [(files[number].base, sums[number]) for number in read]
-    moved = {name for _, part in parts for name in part.steps}
-    shared = [name for name in claims.schema.signals() if all(name in part.stats for _, part in parts)]
     n_runs = np.array([len(part.starts) for _, part in parts])
     firsts = np.cumsum(n_runs) - n_runs
     return Runs(
@@ -141,8 +148,8 @@ def join_runs(claims: Claims, files: Sequence[FileClaims], sums: Sequence[FileSu
         stop=np.concatenate([base + np.append(part.starts[1:], part.n_rows or 0) for base, part in parts]),
         file_number=np.repeat(read, n_runs),
         read=read,
-        stats={name: join_all([part.stats.pop(name) for _, part in parts]) for name in shared},
-        steps={name: join_all([part.steps.pop(name) for _, part in parts]) for name in shared if name in moved},
+        stats=motion.stats,
+        steps=motion.steps,
         idle=join_all([part.idle for _, part in parts]),
         tasks=join_all([_shifted(part.tasks, int(first)) for first, (_, part) in zip(firsts, parts, strict=True)]),
         moments=_joined_moments([part for _, part in parts]),

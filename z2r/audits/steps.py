@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from z2r.arrays import Array, Bools, Floats, Ints
+from z2r.arrays import Array, Bools, Floats, Ints, stack_columns
 from z2r.audits.frames import RunStats
 from z2r.format.schema import ACTION
 
@@ -115,6 +115,8 @@ def run_sums(values: Array, starts: Ints, fps: float | None = None) -> tuple[Run
     count = np.diff(starts, append=len(values))
     n_moving, prints = np.zeros(len(values), dtype=np.int64), np.zeros(len(values), dtype=np.uint64)
     stats, steps = [], []
+    # Of a run, where a third difference would reach into the run before.
+    begins = np.minimum(starts[:, None] + np.arange(3), len(values) - 1).ravel()
     # One column after another: numpy reduces adjacent numbers many times faster, and what is at hand stays in a cache.
     for column in values.T:
         numbers = column.astype(np.float64)
@@ -124,7 +126,7 @@ def run_sums(values: Array, starts: Ints, fps: float | None = None) -> tuple[Run
         if fps is not None:
             prints = prints * _MIXERS[0] + (numbers + 0.0).view(np.uint64)  # of 0 there are two, which differ in a bit
         stats.append(_column_stats(numbers, change, size, starts, count))
-        steps.append(_column_steps(numbers, change, size, stats[-1]["step"], starts, count))
+        steps.append(_column_steps(numbers, change, size, stats[-1], starts, count, begins))
     return (
         RunStats(n=count.astype(np.float64), **_stacked(stats)),
         RunSteps(
@@ -156,7 +158,7 @@ def run_of(rows: Ints, starts: Ints) -> Ints:
 
 
 def _stacked(columns: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    return {name: np.stack([column[name] for column in columns], axis=1) for name in columns[0]}
+    return {name: stack_columns([column[name] for column in columns]) for name in columns[0]}
 
 
 def _column_stats(values: Floats, change: Floats, size: Floats, starts: Ints, count: Ints) -> dict[str, Floats]:
@@ -176,30 +178,43 @@ def _column_stats(values: Floats, change: Floats, size: Floats, starts: Ints, co
 
 
 def _column_steps(
-    values: Floats, change: Floats, size: Floats, largest: Floats, starts: Ints, count: Ints
+    values: Floats,
+    change: Floats,
+    size: Floats,
+    stats: dict[str, Floats],
+    starts: Ints,
+    count: Ints,
+    begins: Ints,
 ) -> dict[str, Any]:
     at, around = np.zeros(len(starts), np.int32), np.zeros(len(starts))
-    hits = np.flatnonzero(size == np.repeat(largest, count))[::-1]  # the first of each run is written last
+    hits = np.flatnonzero(size == np.repeat(stats["step"], count))[::-1]  # the first of each run is written last
     run = run_of(hits, starts)
     at[run] = hits - starts[run]
-    around[run] = np.maximum(size[np.maximum(hits - 1, 0)], np.append(size, 0)[hits + 1])  # 0 where a run begins
+    next_one = np.minimum(hits + 1, len(size) - 1)
+    after = np.where(next_one > hits, size[next_one], 0)
+    around[run] = np.maximum(size[np.maximum(hits - 1, 0)], after)  # 0 where a run begins
     third = np.zeros(len(size))
     second = change[1:] - change[:-1]
     np.subtract(second[2:], second[1:-1], out=third[3:])
-    for place in range(3):
-        third[np.minimum(starts + place, len(third) - 1)] = 0  # which would reach into the run before
+    third[begins] = 0
     moving, squares = size > 0, np.add.reduceat(np.square(third), starts)
     return {
         "at": at,
         "around": around,
         "path": np.add.reduceat(size, starts),
         "moves": count_in_runs(moving, starts),
-        "at_low": count_in_runs(values == values.min(), starts),
-        "at_high": count_in_runs(values == values.max(), starts),
+        "at_low": count_in_runs(values == stats["low"].min(), starts),
+        "at_high": count_in_runs(values == stats["high"].max(), starts),
         "noise": np.add.reduceat(np.abs(third), starts),
-        "alternates": np.add.reduceat(third * np.append(third[1:], 0.0), starts) < _ALTERNATES * squares,
+        "alternates": np.add.reduceat(_times_the_next(third), starts) < _ALTERNATES * squares,
         **_stalls(size, moving, starts, count),
     }
+
+
+def _times_the_next(values: Floats) -> Floats:
+    products = np.zeros(len(values))
+    np.multiply(values[:-1], values[1:], out=products[:-1])
+    return products
 
 
 def _stalls(size: Floats, moving: Bools, starts: Ints, count: Ints) -> dict[str, Any]:
@@ -213,9 +228,10 @@ def _stalls(size: Floats, moving: Bools, starts: Ints, count: Ints) -> dict[str,
     two = still[:-1] & still[1:]
     six = two[:-4] & two[2:-2] & two[4:]  # _STILL in a row, from each on
     frames = np.flatnonzero(six[:-1] & moving[_STILL:]) + _STILL
+    if not len(frames):  # as in most
+        return found
     frames = frames[frames + _AFTER < (starts + count)[run_of(frames, starts)]]
-    run = run_of(frames, starts)
-    marks = np.flatnonzero(ends) if len(frames) else frames
+    run, marks = run_of(frames, starts), np.flatnonzero(ends)
     rest = frames - 1 - marks[np.searchsorted(marks, frames) - 1]
     after = size[frames[:, None] + 1 + np.arange(_AFTER)]  # (n_leaps, 5)
     ratio = size[frames] / np.maximum(after.max(axis=1, initial=0), 1e-300)

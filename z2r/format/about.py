@@ -213,10 +213,7 @@ def _tasks(root: Path, numbers: Ints) -> tuple[Task, ...] | None:
 
 
 def _count_episodes(root: Path, wanted: frozenset[int]) -> Counter[str]:
-    counted: Counter[str] = Counter()
-    for number, tasks in _all_episodes(root):
-        counted.update(tasks if number in wanted else ())
-    return counted
+    return Counter(chain.from_iterable(tasks for number, tasks in _all_episodes(root) if number in wanted))
 
 
 def _all_episodes(root: Path) -> Iterator[tuple[int, set[str]]]:

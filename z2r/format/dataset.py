@@ -23,14 +23,15 @@ from z2r.errors import DatasetError, one_error, printable
 from z2r.format import parquet, rules
 from z2r.format.episodes import DataFile, EpisodeIndex, EpisodeTable, shard_paths
 from z2r.format.misread import Misread
-from z2r.format.parquet import count_values, open_parquet, read_columns, vectors
+from z2r.format.parquet import count_values, open_parquet, read_alike, read_columns, vectors
 from z2r.format.schema import ACTION, STATE, Schema, read_schema
-from z2r.format.store import folder_name, inside
+from z2r.format.store import all_inside, folder_name, is_far
 from z2r.format.tables import DataColumns, join_shards, read_shard
 
 # Each thread holds one data file in memory: more threads than this would trade memory for little time.
 _MAX_THREADS = 4
-_MAX_WAITING = 64  # data files that an executor is given at once: enough for as many workers
+_MAX_WAITING = 64  # data files, or batches of them, that an executor is given at once: enough for as many workers
+_SMALL, _MAX_TOGETHER = 2**15, 64  # numbers in a data file that is read together with others, and how many of these
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,8 +119,10 @@ def map_files[T](
     progress: Progress = no_progress,
     executor: Executor | None = None,
 ) -> list[T]:
-    """Read the data files, some at a time, and keep only what `fold` makes of each, or of each block of a large one.
+    """Read the data files, some at a time, and keep only what `fold` makes of each block.
 
+    A block is a data file, a part of a large one, or small ones that follow each other. Which, depends on the dataset
+    alone and not on who reads it.
     Memory is bounded by what is in flight, a block for each worker, and not by the number of files or their size.
 
     Parameters
@@ -129,7 +132,7 @@ def map_files[T](
     features : sequence of str
         Numeric features.
     fold : callable
-        Takes a file, which says what frames of it a block has, and these: a dict of feature to array, (n_rows, size).
+        Takes a file, whose numbers say which frames a block has, and these: a dict of feature to array, (n_rows, size).
         Where the executor runs in other processes, it and what it returns must survive pickling.
     progress : callable, optional
         Called with the number of frames done and the number of all, after each file.
@@ -153,11 +156,31 @@ def map_files[T](
         features = tuple(dict.fromkeys((*features, *dataset.misread.needed)))
     read = _whole if dataset.misread else read_blocks  # what is made of an episode may depend on all of its frames
     work = partial(_read_and_fold, read, dataset.root, dataset.schema, tuple(features), fold, end)
+    known = set(features) <= set(dataset.schema.features)
+    alone = dataset.misread or is_far(dataset.root) or not known  # what is far away is fetched a file for each worker
+    batches = [[file] for file in files] if alone else _batches(dataset.schema, files, features)
     results: list[T] = []
-    for file, parts in zip(files, in_order(work, files, executor), strict=True):
+    for batch, parts in zip(batches, in_order(work, batches, executor), strict=True):
         results += parts
-        progress(min(file.to_index, end), end)
+        for file in batch:
+            progress(min(file.to_index, end), end)
     return results
+
+
+def _batches(schema: Schema, files: Sequence[DataFile], features: Sequence[str]) -> list[list[DataFile]]:
+    """Put small files together that follow each other: to handle each by itself costs more than to read it."""
+    a_row = sum(schema.features[name].size for name in features)
+    batches: list[list[DataFile]] = []
+    room = 0
+    for file in files:
+        small = (file.to_index - file.from_index) * a_row <= _SMALL
+        if small and room and batches[-1][-1].to_index == file.from_index:
+            batches[-1].append(file)
+            room -= 1
+        else:
+            batches.append([file])
+            room = _MAX_TOGETHER - 1 if small else 0
+    return batches
 
 
 def read_frames(root: Path, schema: Schema, file: DataFile, features: Sequence[str], n_rows: int) -> Columns:
@@ -289,10 +312,23 @@ def _read_and_fold[T](
     features: Sequence[str],
     fold: Callable[[DataFile, Columns], T],
     end: int,
-    file: DataFile,
+    batch: Sequence[DataFile],
 ) -> list[T]:
-    blocks = read(root, schema, file, features, min(file.to_index, end) - file.from_index)
-    return [fold(block, frames) for block, frames in blocks]
+    block = replace(batch[0], to_index=batch[-1].to_index)
+    if len(batch) > 1 and block.to_index <= end and (frames := _read_batch(root, schema, batch, features)):
+        return [fold(block, frames)]
+    blocks = (read(root, schema, file, features, min(file.to_index, end) - file.from_index) for file in batch)
+    return [fold(block, frames) for block, frames in chain.from_iterable(blocks)]
+
+
+def _read_batch(root: Path, schema: Schema, batch: Sequence[DataFile], features: Sequence[str]) -> Columns | None:
+    """Read small files as if they were one; None where something is wrong with one of them, or they are not alike."""
+    rows = [(file.path, file.to_index - file.from_index) for file in batch]
+    table = read_alike(rows, {name: schema.features[name].size for name in features})
+    try:
+        return None if table is None else _columns(root, schema, batch[0], features, table, len(table))
+    except DatasetError:
+        return None
 
 
 def _whole(
@@ -329,9 +365,5 @@ def _read_episodes(root: Path, schema: Schema) -> tuple[EpisodeIndex, tuple[Data
 def _data_files(root: Path, table: EpisodeTable, paths: Sequence[Path]) -> tuple[DataFile, ...]:
     first = np.flatnonzero(np.diff(table.file_number, prepend=-1))
     last = np.append(first[1:], len(table.number)) - 1
-    return tuple(
-        DataFile(inside(root, paths[number]), start, stop)
-        for number, start, stop in zip(
-            table.file_number[first].tolist(), table.start[first].tolist(), table.stop[last].tolist(), strict=True
-        )
-    )
+    places = all_inside(root, [paths[number] for number in table.file_number[first].tolist()])
+    return tuple(map(DataFile, places, table.start[first].tolist(), table.stop[last].tolist()))

@@ -6,7 +6,7 @@ Two costs are avoided on purpose. `pyarrow.parquet.read_table` imports the whole
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -26,9 +26,11 @@ _MAX_NUMBERS = 2**28  # at a time: 1 GiB of float32
 _MAX_NUMBERS_OF_A_SHARD = 2**29  # of metadata, of which all are decoded
 _MAX_NUMBERS_OF_A_FILE = 2**32  # in blocks: what a footer claims beyond that is no recording
 _BLOCK = 2**21  # numbers: 8 MiB of float32
+_SMALL = 2**16  # numbers: they are read at once by one thread
 _BUFFER = 2**20  # bytes of a column of a row group that is larger than a block
 _MAX_BLOBS, _MAX_BLOB_BYTES = 64, 2**27  # at a time
 _MAX_NUMBERS_OF_A_ROW = 2**22
+_PLAIN = ("BOOLEAN", "INT32", "INT64", "FLOAT", "DOUBLE")  # how numbers are stored: never larger than they seem
 _MAX_TEXT_BYTES = 2**26  # in one column of a row group
 _MAX_TEXT = 2**16  # characters
 _TEXT_BYTES_AT_ONCE = 2**24
@@ -53,7 +55,7 @@ def open_parquet(path: Path) -> pq.ParquetFile:
 
 def _opened(source: pa.NativeFile, **options: Any) -> pq.ParquetFile:
     file = pq.ParquetFile(source, **options)
-    file.source = source
+    file.source, file.counted = source, {}
     return file
 
 
@@ -94,22 +96,81 @@ def read_columns(file: pq.ParquetFile, path: Path, columns: Sequence[str], n_row
         If a column is missing or comes twice, or the bytes cannot be decoded, or the file has fewer rows than it says,
         or more than fit into memory: a small file can claim a billion.
     """
-    claimed = _check_claims(file, path, columns, n_rows, _MAX_NUMBERS)[0]
+    claimed, a_row = _check_claims(file, path, columns, n_rows, _MAX_NUMBERS)
     groups = _leading_row_groups(file, n_rows)
     try:
         if is_far(path):
             _fetch(file, columns, groups)
-        table = file.read_row_groups(groups, columns=list(columns))
+        # To hand a small file over to other threads costs more than to read it.
+        table = file.read_row_groups(groups, columns=list(columns), use_threads=claimed * a_row > _SMALL)
     except _UNREADABLE as error:
         raise _unreadable(path, error) from error
     _check_rows(path, len(table), claimed)
     return table
 
 
+def read_alike(files: Sequence[tuple[Path, int]], sizes: Mapping[str, int]) -> pa.Table | None:
+    """Read columns of numbers of small files that are alike, one after another, as one table.
+
+    Types are looked at in the first file only: where there are thousands, to look at all costs more than to read.
+
+    Parameters
+    ----------
+    files : sequence of Path and int
+        Each file, and how many rows it should have.
+    sizes : mapping of str to int
+        The columns, and how many numbers each row should have.
+
+    Returns
+    -------
+    Table or None
+        None where a file is missing, damaged, unlike the first, or has not what it should have: who reads each by
+        itself learns which one, and why.
+    """
+    try:
+        opened = (_opened(open_mapped(path)) for path, _ in files)
+        first = next(opened)
+        counts, tables = _leaves_of_numbers(first, sizes), []
+        for file, (_, n_rows) in zip(itertools.chain([first], opened), files, strict=True) if counts else ():
+            if not (file.schema.equals(first.schema) and _holds(file, n_rows, counts)):
+                return None
+            tables.append(file.read(list(sizes), use_threads=False))
+        table = pa.concat_tables(tables) if tables else None
+    except _UNREADABLE:
+        return None
+    return table if table is not None and len(table) == sum(n_rows for _, n_rows in files) else None
+
+
+def _leaves_of_numbers(file: pq.ParquetFile, sizes: Mapping[str, int]) -> dict[int, int]:
+    """Return the one leaf of each column, and how many numbers it has for each row; nothing if one has no numbers."""
+    names, leaves, counts = file.schema_arrow.names, _leaves(file.schema_arrow), {}
+    for column, size in sizes.items():
+        own = leaves.get(column, range(0))
+        if names.count(column) != 1 or len(own) != 1 or file.schema.column(own[0]).physical_type not in _PLAIN:
+            return {}
+        counts[own[0]] = size
+    return counts
+
+
+def _holds(file: pq.ParquetFile, n_rows: int, counts: Mapping[int, int]) -> bool:
+    """Tell whether a file claims to have so many rows, and so many numbers for each in some leaves."""
+    groups = [file.metadata.row_group(group) for group in range(file.num_row_groups)]
+    return file.metadata.num_rows == n_rows and all(
+        sum(group.column(leaf).num_values for group in groups) == n_rows * size for leaf, size in counts.items()
+    )
+
+
 def read_blocks(
-    file: pq.ParquetFile, path: Path, columns: Sequence[str], n_rows: int | None = None
+    file: pq.ParquetFile, path: Path, columns: Sequence[str], n_rows: int | None = None, times: int = 1
 ) -> Iterator[pa.Table]:
     """Read columns as `read_columns` does, so many rows at a time that memory does not grow with the file.
+
+    Parameters
+    ----------
+    file, path, columns, n_rows
+        As for `read_columns`.
+    times : int, optional
+        So many times as many rows as are read at a time otherwise: for who has much to do with each block.
 
     Yields
     ------
@@ -123,7 +184,7 @@ def read_blocks(
         As `read_columns`.
     """
     claimed, a_row = _check_claims(file, path, columns, n_rows, _MAX_NUMBERS_OF_A_FILE)
-    at_once, n_read = max(1, _BLOCK // a_row), 0
+    at_once, n_read = max(1, times * _BLOCK // a_row), 0
     if claimed <= at_once:
         yield read_columns(file, path, columns, n_rows)
         return
@@ -180,9 +241,13 @@ def count_values(file: pq.ParquetFile, columns: Sequence[str]) -> dict[str, int]
 
 
 def _n_values(file: pq.ParquetFile, leaves: range, groups: Sequence[int]) -> int:
-    """Count the values of lists in some row groups."""
-    metadata, lists = file.metadata, [leaf for leaf in leaves if file.schema.column(leaf).max_repetition_level]
-    return sum(metadata.row_group(group).column(leaf).num_values for leaf in lists for group in groups)
+    """Count the values of lists in the first row groups; once, for a file may have very many of these."""
+    if (leaves, len(groups)) not in file.counted:
+        metadata, lists = file.metadata, [leaf for leaf in leaves if file.schema.column(leaf).max_repetition_level]
+        n = sum(metadata.row_group(group).column(leaf).num_values for leaf in lists for group in groups)
+        file.counted[leaves, len(groups)] = n
+    n_values: int = file.counted[leaves, len(groups)]
+    return n_values
 
 
 def _text_bytes(file: pq.ParquetFile, leaves: range, groups: Sequence[int]) -> int:
@@ -246,9 +311,9 @@ def _check_rows(path: Path, n_read: int, claimed: int) -> None:
 def _blocks_of_row_groups(file: pq.ParquetFile, groups: Sequence[int], at_once: int) -> Iterator[list[int]]:
     """Put row groups together that have so many rows at most, or one that has more."""
     block: list[int] = []
-    n_rows = 0
+    n_rows, metadata = 0, file.metadata
     for group in groups:
-        own = file.metadata.row_group(group).num_rows
+        own = metadata.row_group(group).num_rows
         if block and n_rows + own > at_once:
             yield block
             block, n_rows = [], 0

@@ -11,6 +11,7 @@ import errno
 import hashlib
 import os
 import shutil
+import stat
 import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -46,20 +47,53 @@ def inside(root: Path, relative: Path | str) -> Path:
     if isinstance(root, Url):
         return _inside_url(root, path)
     try:
-        real, folders = path.resolve(), _folders_of(root)
-        is_device = real.exists() and not real.is_file() and not real.is_dir()
-    except RuntimeError:  # Python up to 3.12 says so of a link that leads to itself
-        raise DatasetError(Fault(path, "", "a link that leads to itself", "a file")) from None
+        real = os.path.realpath(path)
+        kind = _kind(path)
     except PermissionError as error:
         raise DatasetError(fault_of(error, path, "a file that can be read")) from None
     except (OSError, ValueError) as error:
+        if getattr(error, "errno", None) == errno.ELOOP:
+            raise DatasetError(Fault(path, "", "a link that leads to itself", "a file")) from None
         raise DatasetError(Fault(path, "", f"a path that cannot be ({error.args[-1]})", "a file")) from None
-    if not any(real.is_relative_to(folder) for folder in folders):
+    if not _is_within(root, real):
         mend = "If you trust the link, copy the dataset with its links followed: cp -rL"
         raise DatasetError(Fault(path, "", "a path that leads out of the dataset", "a file inside the dataset", mend))
-    if is_device:
+    if kind not in (0, stat.S_IFREG, stat.S_IFDIR):
         raise DatasetError(Fault(path, "", "a pipe or a device, which may never end", "a file"))
     return path
+
+
+def all_inside(root: Path, relatives: Iterable[Path]) -> list[Path]:
+    """Return paths below `root` as `inside` does, where there may be very many: each folder is followed once.
+
+    Raises
+    ------
+    DatasetError
+        As `inside`, of the first that is refused.
+    """
+    paths: list[Path] = []
+    known: dict[Path, bool] = {}
+    for relative in relatives:
+        path = root / relative
+        if path.parent not in known:
+            known[path.parent] = _is_folder_inside(root, path.parent)
+        paths.append(path if known[path.parent] and _is_plain_file(path) else inside(root, relative))
+    return paths
+
+
+def _is_folder_inside(root: Path, folder: Path) -> bool:
+    try:
+        return not isinstance(root, Url) and _is_within(root, os.path.realpath(folder))
+    except (OSError, ValueError):
+        return False
+
+
+def _is_plain_file(path: Path) -> bool:
+    """Tell whether a file is there that is no link."""
+    try:
+        return stat.S_ISREG(path.lstat().st_mode)
+    except (OSError, ValueError):
+        return False
 
 
 def _inside_url(root: Url, path: Path) -> Path:
@@ -81,7 +115,7 @@ def outside(root: Path, path: Path) -> Path:
         real = path.resolve()
         if isinstance(root, Url):
             return real
-        mine = any(real.is_relative_to(folder) for folder in _folders_of(root)) or _is_hard_link_into(root, real)
+        mine = _is_within(root, str(real)) or _is_hard_link_into(root, real)
     except (OSError, RuntimeError, ValueError) as error:
         raise DatasetError(
             Fault(path, "", f"a path that cannot be ({error.args[-1]})", "a place to write to")
@@ -92,10 +126,21 @@ def outside(root: Path, path: Path) -> Path:
     return real
 
 
-def _folders_of(root: Path) -> list[Path]:
-    """Return where the files of a dataset are, links followed."""
-    real = root.resolve()
-    return [real, real.parents[1] / "blobs"] if real.parent.name == "snapshots" else [real]
+def _kind(path: Path) -> int:
+    """Return what sort of thing is there, links followed; 0 where nothing is."""
+    try:
+        return stat.S_IFMT(path.stat().st_mode)
+    except (FileNotFoundError, NotADirectoryError):
+        return 0
+
+
+def _is_within(root: Path, real: str) -> bool:
+    """Tell whether a path, links followed, is where the files of a dataset are."""
+    folder = os.path.realpath(root)  # as text: a dataset may have very many files
+    if real == folder or real.startswith(f"{folder.rstrip(os.sep)}{os.sep}"):
+        return True
+    parent = Path(folder).parent
+    return parent.name == "snapshots" and Path(real).is_relative_to(parent.parent / "blobs")
 
 
 def _is_hard_link_into(root: Path, path: Path) -> bool:
