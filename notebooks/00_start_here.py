@@ -50,8 +50,8 @@ from z2r.pusht.cloning.results import read_rollout
 # %%
 for row in ("right", "late-5"):
     cost = costs.cost_of(row)
-    print(f"{row:6} {cost.n_successes:2} of {cost.n_rollouts} tries succeed,", end="")
-    print(" learned from", cost.demonstrations, "demonstrations")
+    print(f"{row:6} {cost.n_successes:3} of {cost.n_rollouts} tries", end=" ")
+    print("succeed, learned from", cost.demonstrations, "demonstrations")
 
 # %%
 both = {"read right": "right", "half a second late": "late-5"}

@@ -32,7 +32,7 @@ from z2r.format.schema import read_schema
 from z2r.format.tables import read_data_blocks, read_data_file
 
 READING = replace(z2r.PUSHT, scene=None)  # with a scene, files are read at once
-TINY = 350  # numbers: some tens of frames, of which an audit reads twice as many at a time
+TINY = 700  # numbers: some tens of frames
 
 
 def write_fault(name: str, root: Path) -> None:

@@ -20,7 +20,7 @@ Measured on two busy cores of Linux, CPU [s] and peak memory, which counts mappe
 | dataset | inspect | polars 2.1.0 | DuckDB 2.0.1 | bare pyarrow | audit |
 | --- | --- | --- | --- | --- | --- |
 | 10,000 files of 100 frames | 2.3, 124 MiB | 2.3, 259 MiB | 1.9, 156 MiB | 1.9, 82 MiB | 67, 400 MiB |
-| 1,000,000 frames of 64 columns | 1.3, 294 MiB | | | | 2.7, 487 MiB |
+| 1,000,000 frames of 64 columns | 1.1, 270 MiB | | | | 2.5, 353 MiB |
 | 20,000,000 frames in 200,000 episodes | 7.4, 1.2 GiB | 27, 3.0 GiB | 26, 1.1 GiB | 4.5, 0.3 GiB | |
 | 1,000,000 episodes of 2 frames | 2.9, 0.8 GiB | 5 to 28, 0.6 GiB | 1.5, 0.6 GiB | | 39, 5.3 GiB |
 | 25,000,000 frames in 250,000 episodes | 16, 1.2 GiB | | | | |

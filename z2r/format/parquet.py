@@ -161,7 +161,7 @@ def _holds(file: pq.ParquetFile, n_rows: int, counts: Mapping[int, int]) -> bool
 
 
 def read_blocks(
-    file: pq.ParquetFile, path: Path, columns: Sequence[str], n_rows: int | None = None, times: int = 1
+    file: pq.ParquetFile, path: Path, columns: Sequence[str], n_rows: int | None = None
 ) -> Iterator[pa.Table]:
     """Read columns as `read_columns` does, so many rows at a time that memory does not grow with the file.
 
@@ -169,8 +169,6 @@ def read_blocks(
     ----------
     file, path, columns, n_rows
         As for `read_columns`.
-    times : int, optional
-        So many times as many rows as are read at a time otherwise: for who has much to do with each block.
 
     Yields
     ------
@@ -184,7 +182,7 @@ def read_blocks(
         As `read_columns`.
     """
     claimed, a_row = _check_claims(file, path, columns, n_rows, _MAX_NUMBERS_OF_A_FILE)
-    at_once, n_read = max(1, times * _BLOCK // a_row), 0
+    at_once, n_read = max(1, _BLOCK // a_row), 0
     if claimed <= at_once:
         yield read_columns(file, path, columns, n_rows)
         return

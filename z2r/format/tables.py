@@ -48,7 +48,6 @@ STATISTICS = ("count", "min", "max", "mean", "std")
 QUANTILES = ("q01", "q10", "q50", "q90", "q99")
 """Of each feature, as LeRobot names them; the quantiles it estimates."""
 
-_TIMES = 2  # as many rows at a time as an inspection reads: an audit calls numpy some thousand times for a block
 _MAX_STATS_BYTES = 2**24  # as Python's own numbers they take ten times as much
 
 
@@ -392,7 +391,7 @@ def _blocks(
 ) -> Iterator[DataColumns]:
     stored, first = opened.schema_arrow, 0
     wanted = [name for name in _wanted(schema, stored) if name not in left_out]
-    for table in read_blocks(opened, whole, wanted, times=_TIMES):
+    for table in read_blocks(opened, whole, wanted):
         yield _data_columns(schema, path, stored, wanted, table, first)
         first += len(table)
 
