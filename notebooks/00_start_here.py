@@ -21,8 +21,9 @@
 # %% [markdown]
 # # What is in this robot dataset?
 #
-# Two programs learned to push a block. They had the same 400 demonstrations and the same code, and both trainings ran
-# to the end without a warning. One of the two succeeds nearly every time. The other hardly ever does.
+# A program learned to push a block, from 400 demonstrations. Another one learned from the same 400, with the same
+# code, and both trainings ran to the end without a warning. One of the two succeeds nearly every time. The other
+# hardly ever does.
 #
 # For the second, every action had been read half a second late. That was all.
 

@@ -190,8 +190,8 @@ for number in range(3, 8):
 
 # %% [markdown]
 # The action fits the move until the next frame. Against the move since the last it is far off: in frame 4 it asks for
-# -1.9 mm, and the pusher had just moved by 22.1. **A frame is what the robot saw before a step, and the action that it
-# then took.** What the last action of an episode did is stored nowhere, since no frame follows.
+# -1.9 mm, and the pusher had just moved by 22.1. **A frame is what the robot saw before a step, and the action that
+# it then took.** What the last action of an episode did is stored nowhere, since no frame follows.
 #
 # The arm's action is no velocity. It has the names of the six joints, and asks each for a position. How to find out
 # what an action is, of any robot, is [notebook 06](06_what_is_an_action.ipynb).
@@ -269,6 +269,7 @@ for name in (names[4], sorted(names)[4]):
 
 # %%
 schema = dataset.schema
+print(schema.columns("observation.state", ["tee_y"]))
 print(schema.columns("observation.state", ["sin_tee_yaw", "cos_tee_yaw"]))
 try:
     schema.columns("observation.state", ["tee_z"])

@@ -33,7 +33,7 @@
 # **By the end you can**
 #
 # - **read** the episode index, and say how long each demonstration is;
-# - **cut** one demonstration out of the table, and find it in the film, without a frame too many;
+# - **cut** one demonstration out of the table, and find it in the film, without an extra frame;
 # - **check** that the index and the frames tell the same story;
 # - **recognise** what somebody sees who ignores the index.
 
@@ -298,13 +298,13 @@ print(len(wrong), "read wrong:", wrong[0])
 # %% [markdown]
 # ### Hunt: the index is lost (about 9 min)
 #
-# The index knows where an episode ends. And if the index is gone? Eight recordings lie before you without one: pushers
-# and arms, in metres, millimetres, degrees and radians. Now and then an encoder drops out for a frame. Each seam is a
-# clear one: some number leaps four times as far as it ever goes in a step.
+# The index knows where an episode ends. And if the index is gone? Eight recordings lie before you without one:
+# pushers and arms, in metres, millimetres, degrees and radians. Now and then an encoder, the sensor of a joint, drops
+# out for a frame. Each seam is a clear one: some number leaps four times as far as it ever goes in a step.
 #
 # **Write a check.** `find_starts` gets the state, a row for each frame, and returns the numbers of the frames with
 # which an episode begins, all but the first. It is scored on recordings that are not on this page. What you miss
-# costs, and so does a seam that is none. `hunt.examples()` returns others of the same kinds, to look at: `.args[0]` is
+# costs, and so does a false seam. `hunt.examples()` returns others of the same kinds, to look at: `.args[0]` is
 # the state, `.truth` what is right.
 
 
@@ -318,8 +318,8 @@ hunt.score(find_starts)
 # %% [markdown]
 # <details><summary>Hint</summary>
 #
-# Ten centimetres are a long way for a block, and nothing for a joint in degrees. What is a long way for *this* column?
-# And a drop-out leaps twice: there and back.
+# Ten centimetres are a long way for a block, and nothing for a joint in degrees. What is a long way for *this*
+# column? And a drop-out leaps twice: there and back.
 #
 # </details>
 # <details><summary>Solution</summary>

@@ -221,7 +221,7 @@ print(f"quaternion xyzw 0 0 {math.sin(half):.3f} {math.cos(half):.3f}")
 
 # %% [markdown]
 # In space a body can turn about any axis, and a *quaternion* says how: x, y, z hold the axis, times the sine of
-# **half** the angle, and w the cosine of half of it. Half, because it is applied twice, once from each side. Its
+# **half** the angle, and w the cosine of half of it. Its
 # order is a trap: some write x, y, z, w and others w, x, y, z. [A large
 # dataset](https://github.com/facebookresearch/projectaria_tools/issues/7) had w in the column named `qx`. Its own
 # reader had the order wrong as well, and so came out right.
@@ -268,8 +268,8 @@ for degrees in (-135, 0, 30, 45, 60, 90):
 # It looks like a turn by 90°, but a turn would add the same angle to each. 45° stays, and 90° goes **back** to 0°.
 # This is a *reflection*: the swap makes `90° - yaw` of every yaw.
 #
-# Turn the block. Blue is its yaw read right, orange is the same two numbers swapped, and the dashed line is the mirror.
-# At which yaws do the two agree?
+# Turn the block. Blue is its yaw read right, orange is the same two numbers swapped, and the dashed line is the
+# mirror. At which yaws do the two agree?
 
 # %%
 moving.yaw_slider()
@@ -321,14 +321,14 @@ for name, first, second in (("right", *pair), ("swapped", *pair[::-1])):
 # %% [markdown]
 # ### Hunt: what is this column? (about 9 min)
 #
-# A cart drove across a yard. Its `x` and `y` have names. The other columns, one or two or four of them, have none. Are
-# they its heading? In degrees, in radians, sine first or cosine first, a quaternion with its w last or first? From the
-# numbers alone, nobody can tell sine and cosine from cosine and sine. But there is a witness: **a cart drives where it
-# points.**
+# A cart drove across a yard. Its `x` and `y` have names. The other columns, one or two or four of them, have none.
+# Are they its heading? In degrees, in radians, sine first or cosine first, a quaternion with its w last or first?
+# From the numbers alone, nobody can tell sine and cosine from cosine and sine. But there is a witness: **a cart
+# drives where it points.**
 #
-# **Write it.** `encoding` gets x and y in metres and the columns, `(n_frames, 1)`, `(n_frames, 2)` or `(n_frames, 4)`.
-# It returns `"degrees"`, `"radians"`, `"sin cos"`, `"cos sin"`, `"x y z w"`, `"w x y z"` or `"no heading"`. It is
-# tried on 21 carts. `hunt.examples()` has others: `.args` is what your function gets, `.truth` what it should say.
+# **Write it.** `encoding` gets x and y in metres and the columns, `(n_frames, 1)`, `(n_frames, 2)` or `(n_frames,
+# 4)`. It returns `"degrees"`, `"radians"`, `"sin cos"`, `"cos sin"`, `"x y z w"`, `"w x y z"` or `"no heading"`. It
+# is tried on 21 carts. `hunt.examples()` has others: `.args` is what your function gets, `.truth` what it should say.
 
 
 # %% tags=["exercise", "hunt"]

@@ -60,7 +60,7 @@ from z2r.course.hunts import goals as hunt
 from z2r.pusht import task
 
 # %% [markdown]
-# ## What would count
+# ## What counts as reached?
 #
 # The block never lies *exactly* on the target. So the task has *tolerances*. A *reading* says them, as a list of
 # goals. (It also says what each column means.)

@@ -260,7 +260,7 @@ practice.predict_same_rows(prediction)
 # ### Hunt: did it grip? (about 9 min)
 #
 # On a real desk, nobody records where the cube is. But the gripper knows. Told to close, it stops on what is between
-# its jaws, and what was *told* and what was *seen* part.
+# its jaws, and the joint stays away from its command.
 #
 # **Write it.** `gripped` gets both, in percent open, 30 frames a second. It returns the frame in which the jaws first
 # had something between them that they kept, or `None`. Four frames beside it is right. Beware: a motion comes later

@@ -26,9 +26,9 @@
 # asked](https://github.com/TEA-Lab/DemoGen/issues/4). Six numbers look like six numbers, and no file says what they
 # are.
 #
-# Is yours a place or a step? Of which joint? In which unit? And when does it happen? Believe the wrong answer, and the
-# arm goes somewhere else. On this page you get all four from the data, with a few lines of numpy. You do it for two
-# robots, and then you can do it for one that you have never seen.
+# Is yours a place or a step? Of which joint? In which unit? And when does it happen? Believe the wrong answer, and
+# the arm goes somewhere else. On this page you get all four from the data, with a few lines of numpy. You do it for
+# two robots, and then you can do it for one that you have never seen.
 #
 # **By the end you can**
 #
@@ -82,17 +82,17 @@ for name in ("standin", "arm"):
     print(f"{'':8} state ", *(f"{each:7.3f}" for each in state[60:65, 0]))
 
 # %% [markdown]
-# Of the arm, the two lines are nearly the same. Of the pusher, they have nothing in common. That is a hint, and a hint
-# is not enough.
+# For the arm, the two lines are nearly the same. For the pusher, they have nothing in common. That is a hint, and a
+# hint is not enough.
 #
 # ## A target, or a change?
 #
-# A **target** says where to be. Then the state should get there, some frames later. A **change** says by how much to go
-# on. Then not the state follows it, but its difference from one frame to the next.
+# A **target** says where to be. Then the state should get there, some frames later. A **change** says by how much to
+# go on. Then it is not the state that follows it, but the state's change from one frame to the next.
 #
 # So try both, and try each number of frames. How do we know what fits? Plot the action over what was seen later, and
-# lay a straight line through the dots. How much of the ups and downs of the action does the line explain? All of it is
-# 1, nothing is 0. This *share* is the square of the correlation, and many call it R². The line also has a *slope*.
+# lay a straight line through the dots. How much of the ups and downs of the action does the line explain? All of it
+# is 1, nothing is 0. This *share* is the square of the correlation, and many call it R². The line also has a *slope*.
 
 
 # %%
@@ -123,8 +123,8 @@ action, state = episode("standin")
 compare(action[:, 0], state[:, 0])
 
 # %% [markdown]
-# No target comes near. A change does, one frame ahead, and it explains nearly all. Tell this robot 0.1, and it does not
-# go *to* 0.1. It goes *at* 0.1. Now the arm.
+# No target comes near. A change does, one frame ahead, and it explains nearly all. Tell this robot 0.1, and it does
+# not go *to* 0.1. It goes *at* 0.1. Now the arm.
 
 # %%
 action, state = episode("arm")
@@ -140,8 +140,8 @@ compare(action[:, 0], state[:, 0])
 # ### Practice: count in seconds (about 2 min)
 #
 # **Predict, then run.** The change was counted in a *frame*, and `standin` has 10 frames in a second. Count it in a
-# *second*: multiply each change by 10. What becomes of the share, and of the slope? Put two numbers in place of the two
-# `None`.
+# *second*: multiply each change by 10. What becomes of the share, 0.9964, and of the slope, 10.45? Put two numbers in
+# place of the two `None`.
 
 # %% tags=["exercise", "predict-a-second"]
 share = None
@@ -171,8 +171,8 @@ print(f"share {share:.4f}, slope {slope:.2f}")
 # no factor between units. A slope of 1.04 is close to one: this action is a velocity, in the unit of the state, a
 # second. (Metres, if the state is in metres. No slope knows that.)
 #
-# There are few such factors: 1, 100 and 1000, and 57.3, which is one radian in degrees. If you find 57.3, you know what
-# happened. Take the elbow of the arm in radians.
+# There are few such factors: 1, 100 and 1000, and 57.3, which is one radian in degrees. If you find 57.3, you know
+# what happened. Take the elbow of the arm in radians.
 
 # %%
 action, state = episode("arm")
@@ -193,11 +193,12 @@ for k, name in enumerate(names):
     print(f"{name:18}", *(f"{100 * (1 - share):5.2f}" for share in shares))
 
 # %% [markdown]
-# Two frames, in every line: so long does this arm take to get going. But one frame ahead is nearly as good. So say *two
-# frames, give or take one*. A slow arm gives a long row of numbers alike, a *tie*, and then the tie is the answer.
+# Two frames, in every line: so long does this arm take to get going. One frame ahead leaves more, and not always much
+# more. Which is best can shift by one from episode to episode, so say *two frames, give or take one*. A slow arm
+# gives a row of numbers alike, a *tie*, and then the tie is the answer.
 #
-# It is the smallest number that counts, not a large share. Even 0 frames ahead explains more than 90 % of every joint:
-# whatever moves slowly is like itself a moment ago.
+# It is the smallest number that counts, not a large share. Even 0 frames ahead explains more than 90 % of every
+# joint: whatever moves slowly is like itself a moment ago.
 #
 # ## Which column?
 #
@@ -211,9 +212,9 @@ for k, name in enumerate(names):
 
 # %% [markdown]
 # The smallest number of each line stands where it should, and yet: `wrist_roll.pos`, the fifth, leaves only 0.49 % of
-# what `shoulder_pan.pos` is told. It does not obey it. Whoever drove this arm turned the wrist along with the shoulder,
-# so that the gripper kept its direction. As shares, 99.5 % and 99.9 % look alike. As what they leave, the wrong column
-# leaves four times as much as the right one.
+# what `shoulder_pan.pos` is told. It does not obey it. Whoever drove this arm turned the wrist along with the
+# shoulder, so that the gripper kept its direction. As shares, 99.5 % and 99.9 % look alike. As what they leave, the
+# wrong column leaves four times as much as the right one.
 #
 # ### Practice: upside down (about 2 min)
 #
@@ -232,8 +233,8 @@ practice.check_driven_column(driven_column)
 # %% [markdown]
 # <details><summary>Hint</summary>
 #
-# The joint follows to the last tenth of a degree, and counts down where the command counts up. What is the correlation
-# of the two?
+# The joint follows to the last tenth of a degree, and counts down where the command counts up. What is the
+# correlation of the two?
 #
 # </details>
 # <details><summary>Solution</summary>
@@ -291,22 +292,22 @@ for robot in ("standin", "arm"):
 # %% [markdown]
 # Nobody told it anything. In a terminal, `z2r inspect my_dataset` prints the same about yours.
 #
-# This picture shows the fit for one joint, farther ahead than you looked. The curve of the target has a round top: that
-# is the tie.
+# This picture shows the fit for one joint, farther ahead than you looked. On its axis the first dots look alike. That
+# is why the table above prints what is *left*.
 
 # %%
 figures.action_fits(z2r.load("arm"), 1)
 
 # %% [markdown]
-# One line stands out: the gripper is *within 10.6*, where joints keep within a few degrees. Is it broken? Look at what
-# it was told, and what it did.
+# One line stands out: the gripper is *within 10.6*, where joints keep within a few degrees. Is it broken? Look at
+# what it was told, and what it did.
 
 # %%
 figures.commands_and_joints(z2r.load("arm"), 0, "elbow_flex.pos", "gripper.pos")
 
 # %% [markdown]
-# It was told to close, and stopped on the cube. A gripper that holds something is not where it was told to be, and that
-# gap *is* the grip. Throw it away, and your policy will touch cubes and lift none.
+# It was told to close, and stopped on the cube. A gripper that holds something is not where it was told to be, and
+# that gap *is* the grip. Throw it away, and your policy will touch cubes and lift none.
 #
 # ## When the data cannot say
 #
@@ -334,7 +335,7 @@ told[:, 4] = 90
 ask(told, state)
 
 # %% [markdown]
-# **It hardly moves**, so there is nothing to see but the noise of a sensor:
+# **It hardly moves**: both the command and the joint are noise around 90.
 
 # %%
 noise = np.random.default_rng(0).normal(90, 0.05, (2, len(state)))
@@ -356,8 +357,8 @@ ask(np.roll(state, -1, axis=0), state)
 
 # %% [markdown]
 # The first three are honest shrugs. A poorer tool would have named the best of many bad fits. The last is an answer,
-# and a warning. It fits perfectly, because it was never a command. What an arm is told to overcome, its own weight or a
-# cube between its fingers, is not in it.
+# and a warning. It fits perfectly, because it was never a command. What an arm is told to overcome, its own weight or
+# a cube between its fingers, is not in it.
 
 # %% [markdown]
 # ### Hunt: robots that nobody has seen (about 9 min)
@@ -365,11 +366,11 @@ ask(np.roll(state, -1, axis=0), state)
 # `infer_action` looks 15 frames ahead and wants 60 frames. For a robot with 200 frames a second, 15 frames are 75 ms.
 # So of the sixteen robots here it knows eight, and shrugs at the rest.
 #
-# **Write a better one.** `what_is` gets one number of the action, a state of four columns, and the frames a second. It
-# returns `(kind, column, ahead, factor)`: `"target"` or `"change"`; the place of the column; how many frames ahead (a
-# change counts where it ends); and how many of the action's units are one of the column's, or of its change in a
-# frame. It returns `None` where the action drives none of them. No robot here takes more than 0.4 s. A tenth beside it
-# is right. `hunt.examples()` has others: `action, state, fps = hunt.examples()[0].args`.
+# **Write a better one.** `what_is` gets one number of the action, a state of four columns, and the frames a second.
+# It returns `(kind, column, ahead, factor)`: `"target"` or `"change"`; the place of the column; how many frames ahead
+# (a change counts where it ends); and how many of the action's units are one of the column's, or of its change in a
+# frame. It returns `None` where the action drives none of them. No robot here takes more than 0.4 s. A tenth beside
+# it is right. `hunt.examples()` has others: `action, state, fps = hunt.examples()[0].args`.
 
 
 # %% tags=["exercise", "hunt"]

@@ -25,10 +25,10 @@
 # The results came out right, and [somebody saw why](https://github.com/ngageoint/hootenanny/issues/2804): the program
 # only ever used the difference of two angles, and both were wrong alike.
 #
-# Code that misreads a dataset does not crash. It prints numbers, and numbers look trustworthy. On this page you misread
-# one on purpose, in three ways, and learn what each leaves behind. One of them leaves *nothing* in the numbers. You
-# catch it all the same, for two solid bodies cannot be in one place. Then you turn to an arm, where people get other
-# things wrong.
+# Code that misreads a dataset does not crash. It prints numbers, and numbers look trustworthy. On this page you
+# misread one on purpose, in three ways, and learn what each leaves behind. One of them leaves *nothing* in the
+# numbers. You catch it all the same, for two solid bodies cannot be in one place. Then you turn to an arm, where
+# people get other things wrong.
 #
 # **By the end you can**
 #
@@ -111,9 +111,9 @@ practice.predict_yaw_swap(n_frames, longest, n_reached)
 # %% [markdown]
 # ### Practice: make the swap yourself (about 2 min)
 #
-# **Complete the line.** How is such a mistake made? By exchanging two names. The function takes a yaw, where `yaw.sin`
-# and `yaw.cos` are names of columns. Return one in which they are exchanged. `z2r.YawColumns(sin="a", cos="b")` makes a
-# yaw.
+# **Complete the line.** How is such a mistake made? By exchanging two names. The function takes a yaw, where
+# `yaw.sin` and `yaw.cos` are names of columns. Return one in which they are exchanged. `z2r.YawColumns(sin="a",
+# cos="b")` makes a yaw.
 
 
 # %% tags=["exercise", "swap"]
@@ -154,8 +154,8 @@ for name in ("yaw-swap", "drop-boundaries", "yaw-swap-everywhere", None):
     print(f"   {ends.tally}  {off.min():.2f} to {off.max():.2f}")
 
 # %% [markdown]
-# **yaw-swap**: nothing reached. And every error is close to 1.57, a quarter of a turn. One error, of just that size, in
-# *every* episode: that is no accident, that is a signature.
+# **yaw-swap**: nothing reached. And every error is close to 1.57, a quarter of a turn. One error, of just that size,
+# in *every* episode: that is no accident, that is a signature.
 #
 # **drop-boundaries**: 1 of 1. The last frame of the last episode speaks for all. The number is not wrong by a little,
 # it means nothing. Its signature is one long episode, with leaps in it.
@@ -186,9 +186,9 @@ both = [z2r.decode(one, reading, dataset.schema) for reading in pair]
 figures.right_and_wrong(*both)
 
 # %% [markdown]
-# Every **direction** is mirrored, and no **position** is. The target lies on its side, and the block still ends on it.
-# Either picture could be true, if it were not for the pusher. It stayed where it was. Find its last ring: on the left
-# it lies beside the block, on the right *inside*.
+# Every **direction** is mirrored, and no **position** is. The target lies on its side, and the block still ends on
+# it. Either picture could be true, if it were not for the pusher. It stayed where it was. Find its last ring: on the
+# left it lies beside the block, on the right *inside*.
 #
 # ## Solid bodies do not overlap
 #
@@ -220,8 +220,8 @@ moving.push_in(whole)
 show_source(overlap)
 
 # %% [markdown]
-# Three readings, and two datasets. A contact in the simulator gives way by a few millimetres, as rubber would, so count
-# only what is deeper than 5.
+# Three readings, and two datasets. A contact in the simulator gives way by a few millimetres, as rubber would, so
+# count only what is deeper than 5.
 
 # %%
 readings = {"read right": z2r.PUSHT, "yaw-swap": yaw_swap}
@@ -277,11 +277,11 @@ practice.check_seen_from_block(seen_from_block)
 # ## And an arm?
 #
 # An arm has no block and no yaw, so what do people get wrong about it? The unit, above all: [ROS counts in radians,
-# LeRobot's arms in degrees](https://github.com/iblnkn/rosetta/pull/7), and somebody has to convert. Then the order: in
-# [a dataset of humanoids](https://github.com/physical-superintelligence-lab/Humanoid-Everyday/issues/10), the joints of
-# a hip are listed in another order than they are stored in.
+# LeRobot's arms in degrees](https://github.com/iblnkn/rosetta/pull/7), and somebody has to convert. Then the order:
+# in [a dataset of humanoids](https://github.com/physical-superintelligence-lab/Humanoid-Everyday/issues/10), the
+# joints of a hip are listed in another order than they are stored in.
 #
-# A break mode applies wherever a dataset has what it is about. To how many of them can the arm fall victim?
+# A break mode applies wherever a dataset has what it is about. How many of them can happen to the arm?
 
 # %%
 beliefs = z2r.audit_beliefs(z2r.ARM).beliefs
@@ -290,26 +290,26 @@ print(len(beliefs), "break modes,", len(apply), "of them about an arm")
 
 # %% [markdown]
 # Now the question turns round. Not: *is my reading right?* But: **if it were wrong, would the data tell me?** Believe
-# each of these in turn, and run every check that there is. If one of them finds something new, the belief is *refuted*.
-# In a terminal this is `z2r audit arm --break all`.
+# each of these in turn, and run every check that there is. If one of them finds something new, the belief is
+# *refuted*. In a terminal this is `z2r audit arm --break all`.
 
 # %%
 for each in apply:
     print(f"{each.mode:19} {each.verdict:12}", *each.refuted_by)
 
 # %% [markdown]
-# `wrong-angle-unit` takes the degrees of the state for radians, or the other way round. The check `unit` refutes it: a
-# joint would move 57 times as far as it is told. `joints-exchanged` is refuted because each of two joints does what the
-# *other* one is told. Both rest on one fact: **a joint goes where it is told**. It is to the arm what solid bodies are
-# to the pusher.
+# `wrong-angle-unit` takes the degrees of the state for radians, or the other way round. The check `unit` refutes it:
+# a joint would move 57 times as far as it is told. `joints-exchanged` is refuted because each of two joints does what
+# the *other* one is told. Both rest on one fact: **a joint goes where it is told**. It is to the arm what solid
+# bodies are to the pusher.
 #
 # Remember the lines that say *not refuted*. `gripper-inverted` takes open for closed, in [one
 # dataset](https://github.com/OpenDriveLab/AgiBot-World/issues/133) against what its own description says. A gripper
 # that obeys looks the same either way. `action-lag` is a single frame, and an arm is two behind anyhow. No data will
 # tell you. **You have to know it.**
 #
-# (One more thing that is easily read wrong, by Python itself: a script called `inspect.py`. It hides the module of that
-# name, on which half of the standard library depends. Call yours something else.)
+# (One more thing that is easily read wrong, by Python itself: a script called `inspect.py`. It hides the module of
+# that name, on which half of the standard library depends. Call yours something else.)
 
 # %% [markdown]
 # ### Hunt: what nobody holds stays (about 9 min)
@@ -319,9 +319,9 @@ for each in apply:
 # wrong beliefs can be refuted, and no label is needed.
 #
 # **Write a check.** `is_refuted` gets the columns of an episode, by the names that somebody believes they have:
-# `block_x` to `goal_z` in metres, `gripper.pos` from 0, closed, to 100, and the joints, 30 frames a second. It returns
-# `True` where that cannot be. Ten of twenty episodes are read right, three of them failures; ten are read wrong, in
-# five ways that you have to imagine. `hunt.examples()` has others: `(frames,) = hunt.examples()[0].args`.
+# `block_x` to `goal_z` in metres, `gripper.pos` from 0, closed, to 100, and the joints, 30 frames a second. It
+# returns `True` where that cannot be. Ten of twenty episodes are read right, three of them failures; ten are read
+# wrong, in five ways that you have to imagine. `hunt.examples()` has others: `(frames,) = hunt.examples()[0].args`.
 
 
 # %% tags=["exercise", "hunt"]

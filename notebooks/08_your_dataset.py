@@ -21,13 +21,13 @@
 # %% [markdown]
 # # Is my data any good?
 #
-# A leader arm, which a hand moves, and a follower that does the same: that is how many people record. In one setup the
-# two [differed by 17 degrees](https://github.com/huggingface/lerobot/issues/3758). Every file was whole. Every frame
-# had its numbers. Nothing crashed.
+# A leader arm, which a hand moves, and a follower that does the same: that is how many people record. In one setup
+# the two [differed by 17 degrees](https://github.com/huggingface/lerobot/issues/3758). Every file was whole. Every
+# frame had its numbers. Nothing crashed.
 #
-# So imagine that somebody sends you a folder. An SO-101 places and lifts a cube, two cameras look on. *Can you train on
-# this tonight?* Three things are wrong with it. You will find all three, by hand, before a tool tells you. Then you
-# change one line, and do the same to your own.
+# So imagine that somebody sends you a folder. An SO-101 places and lifts a cube, two cameras look on. *Can you train
+# on this tonight?* Three things are wrong with it. You will find all three, by hand, before a tool tells you. Then
+# you change one line, and do the same to your own.
 #
 # **By the end you can**
 #
@@ -74,14 +74,14 @@ print(dataset)
 print("lengths:", *dataset.episodes.lengths)
 
 # %% [markdown]
-# Is that what was recorded? Look for lengths that are the same: three episodes have exactly 180 frames. Chance does not
-# do that. A time limit does.
+# Is that what was recorded? Look for lengths that are the same: three episodes have exactly 180 frames. Chance does
+# not do that. A time limit does.
 #
 # ### Practice: what never moves? (about 2 min)
 #
 # **Complete the line.** A sensor that is not plugged in sends the same number for ever. The function gets a row for
-# each frame and a column for each dimension. It should return one answer for each **column**: `True` if all its values
-# are the same.
+# each frame and a column for each dimension. It should return one answer for each **column**: `True` if all its
+# values are the same.
 
 
 # %% tags=["exercise", "never-moves"]
@@ -118,8 +118,8 @@ draft = draft_reading(z2r.inspect_dataset(dataset), "pick")
 print(draft)
 
 # %% [markdown]
-# `[columns]` has the range of each joint. One of them goes from -0.7902 to 1.064, among joints that go over tens. Is it
-# still? Or does it count in something else? Compare it with what it was told.
+# `[columns]` has the range of each joint. One of them goes from -0.7902 to 1.064, among joints that go over tens. Is
+# it still? Or does it count in something else? Compare it with what it was told.
 
 # %%
 action = dataset.read("action")
@@ -129,12 +129,12 @@ for name, values in (("told", action[:, 2]), ("is", state[:, 2])):
 print(f"a radian is {np.rad2deg(1):.1f} degrees")
 
 # %% [markdown]
-# **Fault one: the elbow is in radians**, and its command in degrees. To a policy, one pose of this arm has two numbers
-# which have nothing to do with each other.
+# **Fault one: the elbow is in radians**, and its command in degrees. To a policy, one pose of this arm has two
+# numbers which have nothing to do with each other.
 #
 # ## Too good a motor
 #
-# Now `[action]`, and the comments above it. On [the page before the last](06_what_is_an_action.ipynb) this arm got
+# Now `[action]`, and the comments above it. On [page 06](06_what_is_an_action.ipynb) this arm got
 # where it was told *two frames later*. Here, every joint says *0 frames ahead*: it arrives when it is told. No motor
 # does. And a shoulder that obeys the wrist? Something is odd, and what is odd may lie outside of what was searched.
 #
@@ -218,7 +218,7 @@ for each in audit.findings:
 
 # %% [markdown]
 # `unit`, `late` and `camera-flat` are yours. `follow` is an echo: late commands stray from the motion most where the
-# arm turns round, and one of these places stood out. Mend `late`, and it is gone.
+# arm turns round, and one of these places stood out. It should go with `late`.
 #
 # Just as important is what it did not look at. Read this list whenever an audit finds nothing.
 
@@ -226,9 +226,9 @@ for each in audit.findings:
 print(*audit.not_checked, sep="\n")
 
 # %% [markdown]
-# Can it be mended? The elbow: convert it, in all episodes. The commands: move them five frames back, and lose the last
-# five frames of each episode. The camera: never. Train without it, or record again. **Tonight: no.** The owner takes
-# the cap off and sends the recording again. It is `arm`, as it ships.
+# Can it be mended? The elbow: convert it, in all episodes. The commands: move them five frames back, and lose the
+# last five frames of each episode. The camera: never. Train without it, or record again. **Tonight: no.** The owner
+# takes the cap off and sends the recording again. It is `arm`, as it ships.
 
 # %%
 arm = z2r.load(z2r.ARM)
@@ -242,8 +242,8 @@ print([each.check for each in findings if each.severity != "note"])
 #
 # ### Practice: before anybody says it (about 2 min)
 #
-# **Predict, then run.** No reading with a goal is given. How many episodes of `arm` reached it, says `z2r`? Put `"13 of
-# 13"`, `"0 of 13"` or `"nothing"` in place of `None`.
+# **Predict, then run.** No reading with a goal is given. How many episodes of `arm` reached it, says `z2r`? Put `"13
+# of 13"`, `"0 of 13"` or `"nothing"` in place of `None`.
 
 # %% tags=["exercise", "predict-reached"]
 prediction = None
@@ -262,10 +262,10 @@ practice.predict_reached(prediction)
 # </details>
 
 # %% [markdown]
-# So say it. You know the task: bring the cube to the goal, which is a disc on the table or a ball in the air. The draft
-# proposes just that, behind a `#`: the distance from `block` to `goal`, within 0.03. Take the `#` away, and name the
-# unit of the joints. (In the simulator, the place of the cube is recorded. On a desk nobody knows it, and your goal may
-# be one on the gripper.)
+# So say it. You know the task: bring the cube to the goal, which is a disc on the table or a ball in the air. The
+# draft proposes just that, behind a `#`: the distance from `block` to `goal`, within 0.03. Take the `#` away, and
+# name the unit of the joints. (In the simulator, the place of the cube is recorded. On a desk nobody knows it, and
+# your goal may be one on the gripper.)
 
 # %%
 text = draft_reading(z2r.inspect_dataset(arm), "pick")
@@ -297,8 +297,8 @@ differ = np.flatnonzero(success != outcome.reached)
 print("one without the other: episodes", list(differ))
 
 # %% [markdown]
-# They agree on all thirteen, by different rules. Your own data will have no such verdict. Your reading is all you have,
-# so be exact, and say *reached* when you mean it.
+# They agree on all thirteen, by different rules. Your own data will have no such verdict. Your reading is all you
+# have, so be exact, and say *reached* when you mean it.
 #
 # A typo in the file does not pass in silence:
 
@@ -311,8 +311,8 @@ except z2r.DatasetError as error:
     print(error)
 
 # %% [markdown]
-# Each `DatasetError` has these parts: the file, the place in it, what was found, what was expected, and mostly what to
-# do. A damaged file gets one too. Here is one that was cut in half, as by a full disk.
+# Each `DatasetError` has these parts: the file, the place in it, what was found, what was expected, and mostly what
+# to do. A damaged file gets one too. Here is one that was cut in half, as by a full disk.
 
 # %%
 half = Path("z2r-out/half")
@@ -343,8 +343,9 @@ for i in range(5):
 # ### Practice: is it sane? (about 2 min)
 #
 # **Write it.** The function gets the action and the state of one episode, a row for each frame and a column for each
-# joint, the gripper last. It should return `True` if the two go together. It is tried on six good episodes and on six
-# that are damaged, each in another way. You are told of false alarms and of misses. Change it until there is neither.
+# joint, the gripper last. It should return `True` if the two go together. It is tried on six episodes whose numbers
+# agree, though not all reached their goal, and on six that are damaged, each in another way. You are told of false
+# alarms and of misses. Change it until there is neither.
 
 
 # %% tags=["exercise", "is-sane"]
@@ -405,8 +406,8 @@ hunt.score(decide)
 # %% [markdown]
 # <details><summary>Hint</summary>
 #
-# Did a camera or the encoders stand still while something else moved? That is lost. Then, for each command: is there a
-# joint that follows it, which one, how late, and how far? All that can be undone, unless there is none.
+# Did a camera or the encoders stand still while something else moved? That is lost. Then, for each command: is there
+# a joint that follows it, which one, how late, and how far? All that can be undone, unless there is none.
 #
 # </details>
 # <details><summary>Solution</summary>

@@ -26,8 +26,8 @@
 # Nothing raised an error. They were in other people's episodes.
 #
 # A broken dataset seldom says so. This page is a field guide, as there are for birds: eighteen ways in which people
-# have misread one, in four kinds, each with the mark by which you know it. Nearly all were met in real code, and there
-# is a link to where. Skim the tables now, and come back when something looks odd.
+# have misread one, in four kinds, each with the mark by which you know it. Nearly all were met in real code, and
+# there is a link to where. Skim the tables now, and come back when something looks odd.
 #
 # **By the end you can**
 #
@@ -61,8 +61,8 @@ from z2r.course.field_guide import guide, what_changes
 from z2r.course.hunts.finale import SUSPECTS, Finale
 
 # %% [markdown]
-# To have something to misread, take `messy`, fourteen attempts of the pusher. Some mistakes need many files to show, so
-# make a copy with a data file for each episode. `compare` reads it right and then under some break modes, each one
+# To have something to misread, take `messy`, fourteen attempts of the pusher. Some mistakes need many files to show,
+# so make a copy with a data file for each episode. `compare` reads it right and then under some break modes, each one
 # wrong belief. Its last two numbers are what remains to the target, in the median.
 
 # %%
@@ -94,15 +94,15 @@ guide("what the numbers mean")
 compare(dataset, *practice.SUSPECTS, "no-wrap")
 
 # %% [markdown]
-# `wrong-reference-point` asks how far the *pusher* is from the target. Beside the block, it never gets there. That was
-# real: [a simulator](https://github.com/huggingface/gym-xarm/pull/14) measured from the wrong point, and said *failed*
-# while the cube was in the air. `degrees-for-radians` has the same errors to the last digit, and hardly anything is
-# good enough. The last two lines are those of the right reading.
+# `wrong-reference-point` asks how far the *pusher* is from the target. Beside the block, it never gets there. That
+# was real: [a simulator](https://github.com/huggingface/gym-xarm/pull/14) measured from the wrong point, and said
+# *failed* while the cube was in the air. `degrees-for-radians` has the same errors to the last digit, and hardly
+# anything is good enough. The last two lines are those of the right reading.
 #
 # ### Practice: who notices? (about 2 min)
 #
-# **Predict, then run.** Each of the four wrong readings is audited. For three, some check finds something odd. For one,
-# none does. Which? Put its name in place of `None`, in quotes: `wrong-reference-point`, `degrees-for-radians`,
+# **Predict, then run.** Each of the four wrong readings is audited. For three, some check finds something odd. For
+# one, none does. Which? Put its name in place of `None`, in quotes: `wrong-reference-point`, `degrees-for-radians`,
 # `first-frame-for-last` or `joints-exchanged`.
 
 # %% tags=["exercise", "predict-unnoticed"]
@@ -122,7 +122,7 @@ practice.predict_unnoticed(root, prediction)
 # </details>
 
 # %% [markdown]
-# And `no-wrap`? Its line is the right one. Angles are taken from one another, and a whole turn is never taken off.
+# And `no-wrap`? Its line is the right one. It subtracts two angles and never takes off a whole turn.
 # While the target points to 0, that never matters. Walk around the table, so that it points to 180°. Nothing has
 # happened to the block.
 
@@ -134,8 +134,8 @@ turn_half(turned)
 compare(z2r.load(turned), "no-wrap")
 
 # %% [markdown]
-# Three attempts fewer reached the target. The mistake was *dormant*: it slept, until the data gave it a chance. This is
-# why code that worked on one dataset proves little about the next.
+# Three fewer are *read* as reached, and no block has moved. The mistake was *dormant*: it slept, until the data gave
+# it a chance. This is why code that worked on one dataset proves little about the next.
 #
 # ## Second kind: the index
 #
@@ -157,8 +157,8 @@ compare(few, "inclusive-end", "first-shard-only", "stale-file-pointer")
 #
 # ### Practice: leaps inside episodes (about 2 min)
 #
-# **Bug hunt.** A block cannot leap. This function should return the longest step that it makes inside each episode. On
-# a dataset that is whole, it reports a leap in every episode but the last. It is not the data.
+# **Bug hunt.** A block cannot leap. This function should return the longest step that it makes inside each episode.
+# On a dataset that is whole, it reports a leap in every episode but the last. It is not the data.
 
 
 # %% tags=["exercise", "longest-steps"]
@@ -211,8 +211,8 @@ figures.error_traces(errors, z2r.PUSHT, mixed.schema.fps)
 
 # %% [markdown]
 # At almost 6 seconds, another episode begins in the middle of this one. LeRobot 0.6.1 sorts by name as well, when it
-# reads. What saves it are zeros: it writes `file-002`, which comes before `file-010`. If a tool of yours writes files,
-# write the zeros.
+# reads. What saves it are zeros: it writes `file-002`, which comes before `file-010`. If a tool of yours writes
+# files, write the zeros.
 #
 # ## Fourth kind: time
 #
@@ -230,15 +230,15 @@ for name in (None, "wrong-fps", "action-lag"):
     print(f"{name or 'read right':10}", read.action[0].evidence)
 
 # %% [markdown]
-# Read right: a velocity, in the unit of the state, one frame ahead. With three times as many frames a second, there is
-# no such answer: 10.12 is no factor between units. With the action of the frame before, the same answer comes a frame
-# later. One frame sounds like nothing. [The next page](10_cost_of_a_misreading.ipynb) has its price.
+# Read right: a velocity, in the unit of the state, one frame ahead. With three times as many frames a second, there
+# is no such answer: 10.12 is no factor between units. With the action of the frame before, the same answer comes a
+# frame later. One frame sounds like nothing. [The next page](10_cost_of_a_misreading.ipynb) has its price.
 #
 # ## All at once
 #
 # Now read `messy` in every wrong way that applies to it, and hold each against the right reading. A dot means: no
-# change. The first three columns count episodes. *Picture* and *action* are shares of frames in which something else is
-# drawn, or another action given. Click a row to see what gives it away.
+# change. The first three columns count episodes. *Picture* and *action* are shares of frames in which something else
+# is drawn, or another action given. Click a row to see what gives it away.
 
 # %%
 changes = what_changes(root)
@@ -260,7 +260,8 @@ print(len(right), "of", len(changes))
 print(*(each.name for each in right), sep="\n")
 
 # %% [markdown]
-# Half of all the mistakes leave every answer as it was. The share that reached is no test of a reader.
+# Half of them leave the answer of every episode that is left as it was. Of some, episodes are gone, so the share
+# changes. Of the others it is the same to the digit. A share that looks right is no test of a reader.
 
 # %% [markdown]
 # ## Hunt: eight datasets (about 9 min)
@@ -268,8 +269,8 @@ print(*(each.name for each in right), sep="\n")
 # Eight datasets, drawn from a seed: four of the pusher, four of the arm. Some are healthy. Nobody measures anything
 # for you.
 #
-# The numbers are free. Draw them, and try your own checks on them, those from the hunts before. Instruments cost **one
-# point** each: `finale.ask("a", "overlap")` asks one check of the audit, `finale.infer_action("a")`,
+# The numbers are free. Draw them, and try your own checks on them, those from the hunts before. Instruments cost
+# **one point** each: `finale.ask("a", "overlap")` asks one check of the audit, `finale.infer_action("a")`,
 # `finale.inspect("a")` and `finale.panel("a")` are what you think. A right answer brings **five**, a wrong one costs
 # **two**. Forty is the most.
 
@@ -368,7 +369,7 @@ finale.hand_in(answers)
 # ```text
 # not yet: z2r finale, seed 0: 33 of 40 points (7 of 8 right, instruments: 0,
 #     wrong guesses: 1)
-#     e is not healthy: of that you would see nothing, however often you look
+#     e is not healthy. Ask it something else
 # ```
 #
 # **hunt: a right answer**

@@ -21,17 +21,17 @@
 # %% [markdown]
 # # What does a misreading cost?
 #
-# So what? A yaw is swapped, an action is stored late, an episode ends one frame too far. This course has shown you many
-# ways to read a dataset wrong. Does a robot care?
+# So what? A yaw is swapped, an action is stored late, an episode ends one frame too far. This course has shown you
+# many ways to read a dataset wrong. Does a robot care?
 #
 # It was measured. One small policy was trained again and again, each time on demonstrations that were read wrong in
-# another way. Then it had to do the task in the simulator. Some misreadings cost everything. Of some, no cost could be
-# seen. You will first guess which is which, and then look.
+# another way. Then it had to do the task in the simulator. Some misreadings cost everything. Of some, no cost could
+# be seen. You will first guess which is which, and then look.
 #
 # **By the end you can**
 #
 # - **replay** recorded actions, and say what a replay cannot find;
-# - **predict** which misreadings are dear, and say why;
+# - **predict** which misreadings are costly, and say why;
 # - **read** a rate with its interval, and a difference with its own;
 # - **decide** which checks pay, and which parts of a frame a policy needs.
 #
@@ -133,18 +133,19 @@ for name in ("late-1", "late-2", "late-5", "action-lag"):
 # A wrong axis, a step taken for a velocity, a clock of 30 frames a second: a replay finds each of them in a second.
 #
 # Time is another matter. Late by one frame or by two, all six still succeed: the pusher makes the same moves a little
-# later, and a block that nobody touches waits. Late by five, the last half second of each episode is missing, and that
-# was often the last push. `action-lag` is one frame *early*. The first action is lost, so the whole path is shifted by
-# one step, and open loop nobody notices.
+# later, and a block that nobody touches waits. Late by five, the last half second of each episode is missing, and
+# that was often the last push. `action-lag` is one frame *early*. The first action is lost, so the whole path is
+# shifted by one step, and open loop nobody notices.
 #
 # Remember these four lines. Soon they will stand beside what a policy makes of the same mistakes.
 #
 # ## Close the loop
 #
 # A *policy* looks before it acts. It gets what is observed, and answers with the next few actions. Ours is a small
-# neural network. It learned from 400 demonstrations of a scripted expert to answer each frame as the expert did, which
-# is called *behaviour cloning*. Then it had to do the task from 100 starts that it had never seen, with 30 seconds for
-# each. This is how it did, with the data read right. The second line is the same with 2,000 demonstrations.
+# neural network. It learned from 400 demonstrations of a scripted expert to answer each frame as the expert did,
+# which is called *behaviour cloning*. Then it had to do the task from 100 starts that it had never seen, with 30
+# seconds for each. This is how it did, with the data read right. The second line is the same with 2,000
+# demonstrations.
 
 # %%
 costs.tell("right", "right-2000")
@@ -155,8 +156,8 @@ costs.tell("right", "right-2000")
 # In brackets stands an *interval*. We saw some starts, not all that there are. The interval says between which rates
 # the true one lies, and it is right 95 times in 100. (It is Wilson's, which also works at 0 and at 100 percent.)
 #
-# The training was repeated with the data read wrong, and then with another *seed*, which draws where a network begins.
-# The table has a row for each way to be wrong.
+# The training was repeated with the data read wrong, and then with another *seed*, which draws where a network
+# begins. The table has a row for each way to be wrong.
 
 # %%
 table = read_results()
@@ -164,10 +165,10 @@ trained = Counter(each.row for each in table)
 print(len(trained), "rows, each with", min(trained.values()), "seeds or more;")
 starts = min(len(each.outcomes) for each in table)
 print(starts, "starts or more for each of these,", end=" ")
-print(sum(len(each.outcomes) for each in table), "rollouts in all")
+print(sum(len(each.outcomes) for each in table), "tries in all")
 
 # %% [markdown]
-# ## Which are dear?
+# ## Which are costly?
 #
 # Six rows of the table, and what is believed in each, or done. One thing is wrong in each of them.
 
@@ -178,9 +179,9 @@ for row in six:
     print(f"{row:20} {ROWS[row]}")
 
 # %% [markdown]
-# **Predict, then run.** Put the six in order, from the cheapest to the dearest, as a list of their names. It is judged
-# by what was measured. Two that the measurement cannot tell apart may stand either way. If you are wrong, you are told
-# of one pair, and can try again.
+# **Predict, then run.** Put the six in order, from the cheapest to the costliest, as a list of their names. It is
+# judged by what was measured. Two that the measurement cannot tell apart may stand either way. If you are wrong, you
+# are told of one pair, and can try again.
 
 # %% tags=["exercise", "order"]
 order = None
@@ -211,12 +212,12 @@ costs.bars(costs.MISREADINGS)
 costs.tell("late-5", "drop-boundaries")
 
 # %% [markdown]
-# `late-5` is the dear one. With actions five frames late, the same network, fed as much data, is of no use.
+# `late-5` is the costly one. With actions five frames late, the same network, fed as much data, is of no use.
 #
-# `drop-boundaries` believes that there are no episodes, so what comes after the end of one is the start of another. *No
-# difference seen* does not mean that there is none. It means that one as large as the ends of the interval could hide,
-# and no larger one. Why is it so cheap? An example asks for the next eight actions. Count those that would reach across
-# an end.
+# `drop-boundaries` believes that there are no episodes, so what comes after the end of one is the start of another.
+# *No difference seen* does not mean that there is none. It means that one as large as the ends of the interval could
+# hide, and no larger one. Why is it so cheap? An example asks for the next eight actions. Count those that would
+# reach across an end.
 
 # %%
 there = read_examples(standin, z2r.PUSHT).there
@@ -236,8 +237,8 @@ three = {name: read_rollout(name) for name in ("right", "late-2", "late-5")}
 Image(rollouts.film(three, seconds=12), format="png")
 
 # %% [markdown]
-# It goes to the block, and around it, and around it. It has learned what to do half a second ago. When it sees that it
-# should turn, it does what the expert did before the turn. And while it does, it gets somewhere else. How far?
+# It goes to the block, and around it, and around it. It has learned what to do half a second ago. When it sees that
+# it should turn, it does what the expert did before the turn. And while it does, it gets somewhere else. How far?
 
 # %%
 speed = np.median(np.hypot(*standin.read("action").T))
@@ -259,8 +260,8 @@ for mode, row in (("late-2", "late-2"), ("action-lag", "early-1")):
 
 # %% [markdown]
 # What ruined the replay leaves the policy most of its success. What the replay did not notice at all is no safer. A
-# replay is blind: a shift in space ruins it, and a short delay does not. A policy looks: it mends a shift, and a delay
-# makes it chase what it saw. **Neither test replaces the other.**
+# replay is blind: a shift in space ruins it, and a short delay does not. A policy looks: it mends a shift, and a
+# delay makes it chase what it saw. **Neither test replaces the other.**
 #
 # ## See what they do
 #
@@ -273,14 +274,14 @@ rollouts.paths({name: read_rollout(name) for name in shown})
 
 # %% [markdown]
 # Each failure has a face. `exchanged` runs along the wrong axis, into the wall, and never meets the block. `late-5`
-# circles. `yaw-swap-in-training` is the most like a robot that *almost* works: it pushes with zeal, all over the table,
+# circles. `yaw-swap-in-training` is the most like a robot that *almost* works: it pushes eagerly, all over the table,
 # and to the wrong place. If you see a robot do one of these, you know where to look first.
 #
 # ## Once more
 #
 # If your order was wrong, here is another chance, with another question. Two of these four are about the *scale*: all
-# numbers are divided by their typical size before the network sees them. Two are about the action: somebody computes it
-# from how far the pusher moved.
+# numbers are divided by their typical size before the network sees them. Two are about the action: somebody computes
+# it from how far the pusher moved.
 
 # %%
 four = ["velocity-by-30-fps", "scale-eightfold-throughout"]
@@ -289,7 +290,7 @@ for row in four:
     print(f"{row:27} {ROWS[row]}")
 
 # %% [markdown]
-# **Predict, then run.** From cheap to dear again. The data has ten frames a second.
+# **Predict, then run.** From cheap to costly again. The data has ten frames a second.
 
 # %% tags=["exercise", "order-again"]
 order = None
@@ -305,8 +306,8 @@ practice.check_order(order, four)
 # %% [markdown]
 # ## Consistent nonsense
 #
-# The scale can be wrong in one place or in both. So can the yaw. *In training*: the policy learned wrong and is played
-# right. *At rollout*: the other way round. *Throughout*: wrong in both.
+# The scale can be wrong in one place or in both. So can the yaw. *In training*: the policy learned wrong and is
+# played right. *At rollout*: the other way round. *Throughout*: wrong in both.
 
 # %%
 scale = ("scale-eightfold-at-rollout", "scale-eightfold-throughout")
@@ -317,9 +318,9 @@ costs.tell(*scale, *yaw)
 # Wrong in one place is a catastrophe, with both. Wrong in both is another matter. To a network, a number is just a
 # number. If it is eight times too small whenever it comes, no loss is seen.
 #
-# Then why does the yaw not come back to where it was? Because this policy does not only pass it on. It sees all things
-# from the block: it turns them back by the block's yaw. And it learns from mirrored examples too, which are made with
-# the yaw. What one *computes* with must be right. What one only *passes on* must be the same.
+# Then why does the yaw not come back to where it was? Because this policy does not only pass it on. It sees all
+# things from the block: it turns them back by the block's yaw. And it learns from mirrored examples too, which are
+# made with the yaw. What one *computes* with must be right. What one only *passes on* must be the same.
 #
 # That can be tested. The rows called `plain` are a plainer policy, seen from the table and without mirrored examples.
 # It passes sine and cosine on, and computes nothing with them.
@@ -344,10 +345,10 @@ costs.tell(*(row for pair in pairs for row in pair))
 #
 # ## Does checking pay?
 #
-# So far everything was read wrong. More often *some* episodes are bad. In these sets, a part of 400 demonstrations was
-# damaged on purpose. Either they have the actions of another episode (in `tenth`, too), or their observation freezes,
-# or their actions are late, or the block leaps. `mixture` has all four, and in `idle` nobody moves. What does `z2r
-# audit` say of them?
+# So far everything was read wrong. More often *some* episodes are bad. In these sets, a part of 400 demonstrations
+# was damaged on purpose. Either they have the actions of another episode (in `tenth`, too), or their observation
+# freezes, or their actions are late, or the block leaps. `mixture` has all four, and in `idle` nobody moves. What
+# does `z2r audit` say of them?
 
 # %%
 print("                    damaged  named  others named  damaged after --keep")
@@ -358,8 +359,8 @@ for each in read_audited():
     print(f"{others:13} {each.kept_damaged:21}")
 
 # %% [markdown]
-# It names nearly all of them, and few others, except in `frozen`. The last column says why one should read its warnings
-# too: `z2r audit --keep` leaves out only what an *error* is about, and most of these are warnings.
+# It names nearly all of them, and few others, except in `frozen`. The last column says why one should read its
+# warnings too: `z2r audit --keep` leaves out only what an *error* is about, and most of these are warnings.
 #
 # Good. But does it *pay*? First, what did the damage cost? Each row is held against `right`, on the same starts.
 
@@ -367,13 +368,15 @@ for each in read_audited():
 costs.differences(costs.DEMONSTRATIONS)
 
 # %% [markdown]
-# Grey lines cross the zero: there, no cost was seen. A network that fits an average over hundreds of demonstrations can
-# take quite a few bad ones, if each is bad in its own way. So there is not always something to win.
+# Grey lines cross the zero: there, no cost was seen. Three do not: `idle-tenth`, `faulty-mixture` and, far out,
+# `failed-kept`, whose demonstrations are noisier as well. Else, a network that fits an average over hundreds of
+# demonstrations can take quite a few bad ones, if each is bad in its own way. So there is not always something to
+# win.
 #
-# Now leave out what the audit names. Each row is held against the policy that learned from *all* of the same episodes.
-# And because fewer episodes are left, there are rivals: for `mixture` as many at random, and as many of the shortest,
-# for what failed as many at random. It is a known trap that "keep the good ones" often means no more than "keep the
-# short ones".
+# Now leave out what the audit names. Each row is held against the policy that learned from *all* of the same
+# episodes. And because fewer episodes are left, there are rivals: for `mixture` as many at random, and as many of the
+# shortest, for what failed as many at random. It is a known trap that "keep the good ones" often means no more than
+# "keep the short ones".
 
 # %%
 costs.differences(costs.DROPPED)
@@ -387,8 +390,8 @@ for cost in costs.measured(sum(costs.DROPPED.values(), ())):
         print(f"{cost.row:26} {costs.verdict(cost)}")
 
 # %% [markdown]
-# Idle episodes are worth finding. So is a tenth with the actions of another episode, by a little. For the other faults
-# no gain is seen. And do the rivals lose?
+# Idle episodes are worth finding. So is a tenth with the actions of another episode, by a little. For the other
+# faults no gain is seen. And do the rivals lose?
 
 # %%
 costs.tell(*costs.RIVALS)
@@ -396,8 +399,8 @@ costs.tell(*costs.RIVALS)
 # %% [markdown]
 # The order is the one to hope for. It is no more than a hope: each of these intervals holds zero.
 #
-# Now find `failed-dropped-by-degrees`. Here *reached* comes up. Some noisy demonstrations fail, so somebody keeps only
-# those that reached the target. But the tolerance on the yaw, 0.2 radians, is taken for degrees. Then hardly any
+# Now find `failed-dropped-by-degrees`. Here *reached* comes up. Some noisy demonstrations fail, so somebody keeps
+# only those that reached the target. But the tolerance on the yaw, 0.2 radians, is taken for degrees. Then hardly any
 # demonstration counts as reached. How many are left to learn from?
 
 # %%
@@ -405,7 +408,8 @@ for row in ("failed-kept", "failed-dropped", "failed-dropped-by-degrees"):
     print(f"{row:26} {costs.cost_of(row).demonstrations} demonstrations")
 
 # %% [markdown]
-# A check that is itself misread is the dearest of all. It throws your data away, and says that it cleaned it.
+# Of all that was left out here, that costs most. A check that is itself misread throws your data away, and says that
+# it cleaned it.
 #
 # ## What a frame lacks
 #
@@ -426,10 +430,10 @@ for frame in np.unravel_index(pairs.argmin(), pairs.shape):
     print("  action", *action[frame].round(2))
 
 # %% [markdown]
-# To the millimetre the same place, and opposite answers. Part of it is noise, which this recording adds to each action.
-# The rest is what the expert had in mind: on which side of the block it was going to push, and how fast it was going
-# already. That is in no frame. A policy that sees one frame can only answer with the mean, and the mean of left and
-# right is to stand still.
+# To the millimetre the same place, and opposite answers. Part of it is noise, which this recording adds to each
+# action. The rest is what the expert had in mind: on which side of the block it was going to push, and how fast it
+# was going already. That is in no frame. A policy that sees one frame can only answer with the mean, and the mean of
+# left and right is to stand still.
 #
 # So ours sees two frames and the action between them, and answers with several actions at once. Besides, it sees from
 # the block, and learns from mirrored examples. Take these away.
@@ -455,14 +459,14 @@ costs.tell("right", *costs.RECIPE)
 #   differences, and take the small ones as a hint.
 # - **Some demonstrations.** 400 clean ones are many for this task. With fewer, a bad tenth may cost more.
 #
-# Any row can be measured again. This is the command of the dear one; it needs torch, and trains and plays a policy for
-# each seed.
+# Any row can be measured again. This is the command of the costly one; it needs torch, and trains and plays a policy
+# for each seed.
 
 # %%
-dear = next(each for each in table if each.row == "late-5")
-print(dear.command)
-print(dear.minutes, "minutes of one core for a seed")
-print(dear.stack)
+costly = next(each for each in table if each.row == "late-5")
+print(costly.command)
+print(costly.minutes, "minutes of one core for a seed")
+print(costly.stack)
 
 
 # %% [markdown]
@@ -470,8 +474,8 @@ print(dear.stack)
 #
 # **Bug hunt.** How far does chance alone move a difference? Draw the starts again, some of them twice and some never,
 # take the difference, and do that a thousand times. It is called *bootstrap*. This function does so for two policies,
-# with 1 for each start that succeeded and 0 for each that did not. It runs, and its interval is too wide: it gives away
-# that both were played from the *same* starts. Find out where, and mend it.
+# with 1 for each start that succeeded and 0 for each that did not. It runs, and its interval is too wide: it gives
+# away that both were played from the *same* starts. Find out where, and mend it.
 
 
 # %% tags=["exercise", "interval"]
@@ -508,8 +512,8 @@ practice.check_interval(my_interval)
 # %% [markdown]
 # ## Now train
 #
-# You can read a dataset, and you know which mistakes are dear. What is left is to train. Take `arm`, or your own, and
-# audit it one last time.
+# You can read a dataset, and you know which mistakes are costly. What is left is to train. Take `arm`, or your own,
+# and audit it one last time.
 
 # %%
 audit = z2r.audit(z2r.ARM)
@@ -519,8 +523,8 @@ print("exit code", audit.exit_code)
 
 # %% [markdown]
 # Exit code 0: no error, and no warning. The note matters now. ACT, the policy that most people begin with, plans 100
-# frames at once, and one episode is shorter than that. So let it plan fewer. This is all of it, in a terminal, with the
-# commands of `z2r` and of LeRobot. Put the folder of your dataset in place of `my_dataset`:
+# frames at once, and one episode is shorter than that. So let it plan fewer. This is all of it, in a terminal, with
+# the commands of `z2r` and of LeRobot. Put the folder of your dataset in place of `my_dataset`:
 #
 # ```bash
 # z2r audit my_dataset --pictures --keep good.json &&
@@ -530,8 +534,10 @@ print("exit code", audit.exit_code)
 #     --policy.push_to_hub=false --output_dir=trained
 # ```
 #
-# If the audit finds something, its exit code is 1, and nothing trains: `&&` saw to that. Look at what it found, decide,
-# and only then go on.
+# An error or a warning makes the exit code 1, and `&&` stops there. `good.json` is written all the same, and it
+# leaves out only episodes with an *error*. For the folder of [page 08](08_your_dataset.ipynb), black camera, late
+# commands and all, it lists every episode. So mend what the warnings name, or take those episodes out by hand. Once
+# you accept what is left, run the second command alone.
 
 # %% [markdown]
 # ### Hunt: which of these ruins it? (about 9 min)
@@ -580,8 +586,8 @@ hunt.score(ruins)
 # ## You can now
 #
 # - **replay** recorded actions: it finds wrong axes, units and clocks in a second, and no delay of a frame or two;
-# - **predict** which misreadings are dear: what is wrong in every frame and differs between training and rollout, more
-#   than what is wrong in a few frames, or wrong alike in both;
+# - **predict** which misreadings are costly: what is wrong in every frame and differs between training and rollout,
+#   more than what is wrong in a few frames, or wrong alike in both;
 # - **read** *289 of 300* with its interval, and *no difference seen* as what it is;
 # - **decide** by paired starts whether a check pays, with length held against it, and ask what a frame lacks.
 #
@@ -607,10 +613,10 @@ hunt.score(ruins)
 #     touches waits.
 # ```
 #
-# **order: dear to cheap**
+# **order: costly to cheap**
 #
 # ```text
-# not yet: you have exchanged as cheaper than drop-boundaries, and it is dearer.
+# not yet: you have exchanged as cheaper than drop-boundaries, and it is costlier.
 #     drop-boundaries: 291 of 300. Only the frames beside an episode's end are
 #         spoiled, and most frames are not beside one.
 #     exchanged: 0 of 300. Every push goes along the wrong axis, and no second
@@ -628,7 +634,7 @@ hunt.score(ruins)
 #
 # ```text
 # not yet: you have scale-eightfold-at-rollout as cheaper than
-#     scale-eightfold-throughout, and it is dearer.
+#     scale-eightfold-throughout, and it is costlier.
 #     scale-eightfold-throughout: 287 of 300. The network learns with the same
 #         wrong number that it is played with.
 #     scale-eightfold-at-rollout: 5 of 300. The network has never seen its input

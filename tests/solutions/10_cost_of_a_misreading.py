@@ -11,7 +11,7 @@ def my_interval(one, other, rng):
 practice.check_interval(my_interval)
 """
 BOTH, ENDS = "one[drawn].mean() - other[drawn].mean()", "(0.025, 0.975)"
-CHEAP_TO_DEAR = ["drop-boundaries", "late-2", "yaw-swap-throughout", "fps-30-at-rollout", "late-5", "exchanged"]
+CHEAP_TO_COSTLY = ["drop-boundaries", "late-2", "yaw-swap-throughout", "fps-30-at-rollout", "late-5", "exchanged"]
 SCALE, VELOCITY = "scale-eightfold-{}", "velocity-by-{}-fps"
 CONSISTENT_FIRST = [SCALE.format("throughout"), VELOCITY.format(10), VELOCITY.format(30), SCALE.format("at-rollout")]
 
@@ -31,19 +31,19 @@ EXERCISES = {
         },
     },
     "order": {
-        "solution": ORDER.format(CHEAP_TO_DEAR),
+        "solution": ORDER.format(CHEAP_TO_COSTLY),
         "wrong": {
-            "dear to cheap": (ORDER.format(CHEAP_TO_DEAR[::-1]), "as cheaper than drop-boundaries, and it is dearer"),
-            "boundaries are dear": (
-                ORDER.format(moved(CHEAP_TO_DEAR, "drop-boundaries", 5)),
+            "costly to cheap": (ORDER.format(CHEAP_TO_COSTLY[::-1]), "than drop-boundaries, and it is costlier"),
+            "boundaries are costly": (
+                ORDER.format(moved(CHEAP_TO_COSTLY, "drop-boundaries", 5)),
                 "as cheaper than drop-boundaries",
             ),
             "late by five is cheap": (
-                ORDER.format(moved(CHEAP_TO_DEAR, "late-5", 0)),
+                ORDER.format(moved(CHEAP_TO_COSTLY, "late-5", 0)),
                 "you have late-5 as cheaper than",
             ),
-            "one forgotten": (ORDER.format(CHEAP_TO_DEAR[1:]), "'drop-boundaries' is missing"),
-            "one twice": (ORDER.format([*CHEAP_TO_DEAR, "late-2"]), "a name stands twice"),
+            "one forgotten": (ORDER.format(CHEAP_TO_COSTLY[1:]), "'drop-boundaries' is missing"),
+            "one twice": (ORDER.format([*CHEAP_TO_COSTLY, "late-2"]), "a name stands twice"),
             "another name": (ORDER.format(["late"]), "'late' is none of the 6 names"),
             "one name": (ORDER.format("'late-5'"), "is missing"),
         },

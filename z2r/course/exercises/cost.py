@@ -59,7 +59,7 @@ def _replayed(*names: str) -> str:
 
 
 def check_order(order: Sequence[str] | None, rows: Sequence[str]) -> None:
-    """Judge an order of misreadings, from cheap to dear, by what was measured.
+    """Judge an order of misreadings, from cheap to costly, by what was measured.
 
     Two that the paired interval cannot tell apart may stand either way.
 
@@ -92,7 +92,7 @@ def _judge_order(order: Sequence[str]) -> None:
         print(f"{RIGHT}: {', '.join(f'{row} {_tally(seen[row])}' for row in order)}.")
         return
     _, one, other = min(wrong)
-    print(f"{NOT_YET}: you have {one} as cheaper than {other}, and it is dearer.")
+    print(f"{NOT_YET}: you have {one} as cheaper than {other}, and it is costlier.")
     for row in (other, one):
         print(f"    {row}: {_tally(seen[row])}. {_WHY[row]}.")
 

@@ -9,6 +9,7 @@ from z2r.api import inspect_dataset, load
 from z2r.arrays import Array, Floats
 from z2r.course.exercises._core import NOT_ATTEMPTED, NOT_YET, RIGHT, Case, Question, judge_function, judge_prediction
 from z2r.data import ARM, MESSY
+from z2r.errors import count
 from z2r.format.schema import ACTION, STATE
 
 _N = 10  # frames: how far the function of the bug hunt looks
@@ -107,14 +108,21 @@ def check_is_sane(function: Callable[[Floats, Floats], object]) -> None:
     if not all(isinstance(answer, bool | np.bool_) for answer in said):
         print(f"{NOT_YET}: your function returned {said[0]!r}, expected True or False for the whole episode.")
         return
-    alarms = [each.what for each, sane in zip(good, said, strict=False) if not sane]
+    alarms = [each for each, sane in zip(good, said, strict=False) if not sane]
     missed = [each.what for each, sane in zip(bad, said[len(good) :], strict=True) if sane]
     if alarms:
-        print(f"{NOT_YET}: {len(alarms)} false alarms in {len(good)} good episodes, the first in {alarms[0]}.")
+        found = f"{count(len(alarms), 'false alarm')} in {len(good)} good episodes, the first in {alarms[0].what}"
+        print(f"{NOT_YET}: {found}. Its joints, but for the gripper, are up to")
+        print(f"{_off(alarms[0]):.1f} degrees from where they were told to be, two frames before.")
     if missed:
         print(f"{NOT_YET}: {len(missed)} of {len(bad)} damaged ones pass for good: {', '.join(missed)}.")
     if not alarms and not missed:
         print(f"{RIGHT}: no false alarm in {len(good)} good episodes, and all {len(bad)} damaged ones found.")
+
+
+def _off(recording: _Recording) -> float:
+    """Return how far its joints are at most from their commands of two frames before, in degrees."""
+    return float(np.abs(recording.action[:-2, :5] - recording.state[2:, :5]).max())
 
 
 def _recordings() -> tuple[list[_Recording], list[_Recording]]:

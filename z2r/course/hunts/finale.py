@@ -128,7 +128,7 @@ def _in_centimetres(frames: Frames) -> Frames:
 
 
 _ANY: dict[str, Suspect] = {
-    HEALTHY: Suspect("nothing, however often you look", lambda rng, it: it),
+    HEALTHY: Suspect("nothing", lambda rng, it: it),
     "commands-late": Suspect("what moves answers an action before it is stored", _store_commands_late),
     "second-lost": Suspect("one leap, in the middle of one episode", _lose_a_second),
     "index-shifted": Suspect("a leap into the last frame of each episode but the last one", _shift_the_index),
@@ -245,7 +245,8 @@ class Finale:
             return
         print(f"{NOT_YET}: {self.line}")
         for name, answer in wrong.items():
-            print(f"    {name} is not {answer}: of that you would see {SUSPECTS[answer]}")
+            seen = f": of that you would see {SUSPECTS[answer]}" if answer != HEALTHY else ". Ask it something else"
+            print(f"    {name} is not {answer}{seen}")
         if unanswered := [name for name in open_ones if name not in wrong]:
             print(f"    no answer yet: {', '.join(unanswered)}")
 
