@@ -233,7 +233,7 @@ EXERCISES = {stem: {"hunt": hunt.exercise} for stem, hunt in HUNTS.items()} | {
             "wrong": {
                 "the cube is not looked at": (
                     _handed_in(**_EIGHT | {"e": "healthy"}),
-                    "e is not healthy: of that you would see nothing",
+                    "e is not healthy. Ask it something else",
                 ),
                 "all healthy": (
                     _handed_in(**dict.fromkeys(_EIGHT, "healthy")),
