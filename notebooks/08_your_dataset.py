@@ -134,7 +134,7 @@ print(f"a radian is {np.rad2deg(1):.1f} degrees")
 #
 # ## Too good a motor
 #
-# Now `[action]`, and the comments above it. On [page 06](06_what_is_an_action.ipynb) this arm got
+# Now `[action]`, and the comments above it. On [the page about actions](06_what_is_an_action.ipynb) this arm got
 # where it was told *two frames later*. Here, every joint says *0 frames ahead*: it arrives when it is told. No motor
 # does. And a shoulder that obeys the wrist? Something is odd, and what is odd may lie outside of what was searched.
 #

@@ -535,9 +535,9 @@ print("exit code", audit.exit_code)
 # ```
 #
 # An error or a warning makes the exit code 1, and `&&` stops there. `good.json` is written all the same, and it
-# leaves out only episodes with an *error*. For the folder of [page 08](08_your_dataset.ipynb), black camera, late
-# commands and all, it lists every episode. So mend what the warnings name, or take those episodes out by hand. Once
-# you accept what is left, run the second command alone.
+# leaves out only episodes with an *error*. For the folder in [Is my data any good?](08_your_dataset.ipynb), black
+# camera, late commands and all, it lists every episode. So mend what the warnings name, or take those episodes out by
+# hand. Once you accept what is left, run the second command alone.
 
 # %% [markdown]
 # ### Hunt: which of these ruins it? (about 9 min)
