@@ -34,6 +34,11 @@ CHROMIUM_FLAGS = [
 RECORDED_LENGTHS = (1, 40, 7, 1, 1, 25, 60, 3, 18, 1, 33, 12)
 
 
+def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
+    """Use one process more than there are cores, for some tests wait: for a browser, a server or a cluster."""
+    return (os.cpu_count() or 1) + 1
+
+
 @pytest.fixture(scope="session")
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A dataset that LeRobotDataset recorded: several data files and metadata shards, one-frame episodes among them."""

@@ -50,7 +50,9 @@ class RayExecutor(Executor):
                 log_to_driver=False,
                 logging_level=logging.ERROR,
             )
-        except (OSError, ValueError, RuntimeError, ImportError) as error:
+        except Exception as error:  # Ray raises a bare one where it does not start in time, as on a busy machine
+            if self._is_own:
+                ray.shutdown()
             said = f"no cluster at {address} ({str(error).splitlines()[0]})"
             raise DatasetError(Fault(Path("--ray"), "", said, "the address of one, or none")) from None
         self._run = ray.remote(_run)
