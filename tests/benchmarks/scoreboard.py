@@ -166,7 +166,7 @@ def write_dataset(name: str, out: Path) -> None:
 # --- the peers
 
 
-def install(name: str, peer: Peer, out: Path) -> Path:
+def install(peer: Peer, out: Path) -> Path:
     """Return the folder of its programs: those of its own environment, or of this one."""
     if not peer.requirement:
         return Path(sys.executable).parent
@@ -201,7 +201,8 @@ def ask(name: str, peer: Peer, datasets: Mapping[str, Path], programs: Path, fre
 
 def hear(peer: Peer, code: int, folder: Path, dataset: Path) -> tuple[bool, list[str]]:
     """Whether something of it crashed, and what it found, each once; of whichever dataset, in the same words."""
-    told = {path.name: path.read_text(errors="replace").replace(str(dataset), "it") for path in folder.glob("*.[tj]*")}
+    paths = filter(Path.exists, (folder / name for name in ("output.txt", "errors.txt", "report.json")))
+    told = {path.name: path.read_text(errors="replace").replace(str(dataset), "it") for path in paths}
     killed = code < 0 and code not in TOO_LONG
     crashed = killed or any(CRASHED.search(text) for text in told.values())
     try:
@@ -228,7 +229,7 @@ def unnumbered(text: str) -> str:
 
 def ask_all(names: Sequence[str], cases: Mapping[str, Case], out: Path, peers: Mapping[str, Peer] = PEERS) -> None:
     """Ask every peer of every dataset, and keep what is said in OUT/said.jsonl; nothing twice."""
-    programs = {name: install(name, peer, out) for name, peer in peers.items()}
+    programs = {name: install(peer, out) for name, peer in peers.items()}
     done = {(said.peer, said.dataset) for said in heard(out)}
     jobs = []
     for some in batched(names, 4 * STRIDE):
