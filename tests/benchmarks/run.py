@@ -30,9 +30,10 @@ from rich.table import Table
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
-sys.path.insert(0, str(HERE.parent))
+sys.path[:0] = [str(HERE), str(HERE.parent)]
 
-from layouts import Layout, lay_out, read_dataset, write_dataset  # noqa: E402 -- a sibling of this folder
+from launcher import launcher  # noqa: E402 -- siblings of this folder
+from layouts import Layout, lay_out, read_dataset, write_dataset  # noqa: E402
 
 import z2r  # noqa: E402
 from z2r.format.dataset import map_files  # noqa: E402
@@ -62,16 +63,6 @@ class Row(NamedTuple):
     met: bool
 
 
-# A child begins with its parent's peak memory: start each from an interpreter that has nothing loaded.
-LAUNCHER = """
-import json, os, resource, subprocess, sys, time
-start = time.perf_counter()
-done = subprocess.run(sys.argv[1:], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=True)
-seconds = time.perf_counter() - start
-usage = resource.getrusage(resource.RUSAGE_CHILDREN)
-print(json.dumps([seconds, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024, done.stdout.decode()]))
-"""
-
 # Run a command, and print on the last line how often it opened each parquet file.
 COUNT_OPENS = """
 import collections, contextlib, json
@@ -96,9 +87,11 @@ COMMANDS = ("inspect --no-rerun", "inspect --rerun", "report --no-audit", "repor
 def run_process(command: list[str], cwd: Path) -> Process:
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
     environment["PYTHONPATH"] = os.pathsep.join([str(HERE.parent), str(ROOT)])
-    launch = [sys.executable, "-c", LAUNCHER, *command]
-    done = subprocess.run(launch, cwd=cwd, env=environment, capture_output=True, check=True)
-    return Process(*json.loads(done.stdout))
+    with launcher(environment) as run:
+        cost = run(command, cwd)
+    if cost.code:
+        raise subprocess.CalledProcessError(cost.code, command, stderr=(cwd / "errors.txt").read_text())
+    return Process(*cost[1:], (cwd / "output.txt").read_text())
 
 
 def alternate(*sides: Callable[[], object], runs: int) -> list[list]:
@@ -193,7 +186,6 @@ def replay_against_rows(root: Path, scratch: Path, runs: int) -> Row:
     dataset = z2r.load(root)
     assert dataset.episodes.n_frames == 10_000
     z2r.write_replay(dataset, scratch / "warm.rrd")
-    sys.path.insert(0, str(HERE))
     from reference import replay
 
     ours, theirs = alternate(
