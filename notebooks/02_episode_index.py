@@ -130,9 +130,9 @@ print(dataset.episodes[2])
 print(state.shape, "->", state[dataset.episodes[2]].shape)
 
 # %% [markdown]
-# **Bug hunt.** `cut` should return the frames of one episode. For most episodes, one frame in it is foreign. Find out
-# which, and mend it. The check hands over the numbers 0 to 426 as frames, so you can read from the answer what was
-# cut out.
+# **Bug hunt.** `cut` should return the frames of one episode. For most episodes, one frame in it belongs to another.
+# Find out which, and mend it. Here `index` is `dataset.episodes`, not the list above. The check hands over the
+# numbers 0 to 426 as frames, so you can read from the answer what was cut out.
 
 
 # %% tags=["exercise", "cut"]

@@ -295,7 +295,8 @@ poses = {
 
 # %% [markdown]
 # **Write it.** Return a `z2r.Goal` that agrees with the verdict in all 13 episodes, those in which the cube is placed
-# on a disc included. It needs a `name`; something to measure, such as `distance=(pose, pose)` or `value="block_z"`;
+# on a disc included. It needs a `name`; something to measure, such as `distance=("…", "…")` of two of these names, or
+# `value="block_z"`;
 # and a limit: `within`, `at_least` or `at_most`. Ball and disc have a radius of 3 cm.
 
 
@@ -430,8 +431,8 @@ hunt.score(reached)
 # **arm-goal: too far**
 #
 # ```text
-# not yet: by your goal, of the episodes 11 reached it without success. What
-#     should be near what, and how near?
+# not yet: by your goal, episode 11 reached it without success. What should be
+#     near what, and how near?
 # ```
 #
 # **arm-goal: a right answer**

@@ -250,7 +250,8 @@ practice.check_driven_column(driven_column)
 # ### Practice: how close? (about 2 min)
 #
 # **Complete the line.** A share has no unit, and you want one: *within two degrees*. The function lays the line, and
-# should return the distance that 99 of 100 frames keep from it. Put the distances in place of the three dots.
+# should say how far, in 99 of 100 frames, the action is at most from what the line says. Put all these distances in
+# place of the three dots after `off =`, and leave the last line as it is.
 
 
 # %% tags=["exercise", "within"]

@@ -103,7 +103,8 @@ print(succeed("as-recorded"), "of", len(seeds), "succeed")
 # Now play them under a wrong belief. Two of them:
 #
 # - **exchanged**: somebody takes the two numbers of an action for *vy, vx*. They are *vx, vy*.
-# - **late-2**: every action is stored two frames late. So each is played 0.2 s after its time.
+# - **late-2**: every action is stored two frames late. So the pusher first stands still for 0.2 s, then makes the
+#   same moves, and the last two are never played. (After each replay it stands still for another second.)
 #
 # **Predict, then run.** How many of the six succeed, with each? Put two numbers in place of the two `None`.
 
@@ -142,7 +143,8 @@ for name in ("late-1", "late-2", "late-5", "action-lag"):
 # ## Close the loop
 #
 # A *policy* looks before it acts. It gets what is observed, and answers with the next few actions. Ours is a small
-# neural network. It learned from 400 demonstrations of a scripted expert to answer each frame as the expert did,
+# neural network. It sees all places from the block, turned back by the block's yaw, and learns from mirrored examples
+# too. It learned from 400 demonstrations of a scripted expert to answer each frame as the expert did,
 # which is called *behaviour cloning*. Then it had to do the task from 100 starts that it had never seen, with 30
 # seconds for each. This is how it did, with the data read right. The second line is the same with 2,000
 # demonstrations.
@@ -284,8 +286,8 @@ rollouts.paths({name: read_rollout(name) for name in shown})
 # it from how far the pusher moved.
 
 # %%
-four = ["velocity-by-30-fps", "scale-eightfold-throughout"]
-four += ["scale-eightfold-at-rollout", "velocity-by-10-fps"]
+four = ["velocity-by-30-fps", "scale-eightfold-at-rollout"]
+four += ["scale-eightfold-throughout", "velocity-by-10-fps"]
 for row in four:
     print(f"{row:27} {ROWS[row]}")
 
@@ -474,8 +476,8 @@ print(costly.stack)
 #
 # **Bug hunt.** How far does chance alone move a difference? Draw the starts again, some of them twice and some never,
 # take the difference, and do that a thousand times. It is called *bootstrap*. This function does so for two policies,
-# with 1 for each start that succeeded and 0 for each that did not. It runs, and its interval is too wide: it gives
-# away that both were played from the *same* starts. Find out where, and mend it.
+# with 1 for each start that succeeded and 0 for each that did not. It runs, and its interval is too wide: it makes no
+# use of the fact that both were played from the *same* starts. Find out where, and mend it.
 
 
 # %% tags=["exercise", "interval"]

@@ -85,7 +85,7 @@ EXERCISES = {
     "arm-goal": {
         "solution": DISTANCE.format("0.03"),
         "wrong": {
-            "too far": (DISTANCE.format("0.05"), "of the episodes 11 reached it without success"),
+            "too far": (DISTANCE.format("0.05"), "by your goal, episode 11 reached it without success"),
             "too near": (DISTANCE.format("0.01"), "did not reach it, and were a success"),
             "the height alone": (
                 GOAL.format('z2r.Goal(name="z", value="block_z", at_least=0.1)'),

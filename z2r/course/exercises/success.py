@@ -20,6 +20,7 @@ from z2r.reading.decode import decode, named_columns
 from z2r.reading.goal import Goal
 from z2r.reading.poses import PoseColumns
 from z2r.reading.reading import Reading
+from z2r.reading.stored import episodes_named
 from z2r.reading.success import FrameErrors, frame_errors, in_tolerance
 from z2r.reading.verdict import read_verdict
 
@@ -170,9 +171,9 @@ def _said_of_goal(goal: object, poses: dict[str, PoseColumns]) -> str:
         "reached it without success": outcome.reached & ~success,
         "did not reach it, and were a success": ~outcome.reached & success,
     }
-    said = [f"{', '.join(map(str, np.flatnonzero(each)))} {what}" for what, each in apart.items() if each.any()]
+    said = [f"{episodes_named(np.flatnonzero(each).tolist())} {what}" for what, each in apart.items() if each.any()]
     if said:
-        return f"{NOT_YET}: by your goal, of the episodes {' and '.join(said)}. {_GOAL_HINT}"
+        return f"{NOT_YET}: by your goal, {' and '.join(said)}. {_GOAL_HINT}"
     return f"{RIGHT}: reached and success agree in all {len(success)} episodes."
 
 
