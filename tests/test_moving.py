@@ -139,8 +139,8 @@ def test_where_scripts_run_the_page_takes_the_place_of_its_own_still(name, open_
     expect(shown.locator(".own img")).to_be_hidden()
     expect(shown.locator(".other img")).to_be_visible()
     frame = shown.frames[1]
-    shown.wait_for_function("(frame) => frame.clientHeight !== 420", arg=shown.locator("iframe").element_handle())
-    assert 0 <= frame.evaluate("innerHeight - document.documentElement.getBoundingClientRect().height") < 1
+    spare = "innerHeight - document.documentElement.getBoundingClientRect().height"
+    frame.wait_for_function(f"innerHeight !== 420 && {spare} >= 0 && {spare} < 1", polling=100)
     path.write_text(cell.format(page["text/html"].partition("<iframe")[0]))
     expect(open_file(path, java_script_enabled=False).locator(".own img")).to_be_visible()
 
