@@ -2,6 +2,7 @@
 
 import csv
 import shutil
+import signal
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -56,7 +57,7 @@ def test_what_is_new_counts_and_nothing_is_asked_twice(tmp_path, fake, monkeypat
     }
     assert new(board, "rdq", "damaged/more", f"{BASE}/one") == {"warning jump [1] # jumps"}
     assert [own.dataset for own in said if own.crashed] == ["damaged/crash"]
-    assert [own.dataset for own in said if own.too_long] == ["damaged/endless"]
+    assert [(own.dataset, own.code) for own in said if own.too_long] == [("damaged/endless", -signal.SIGXCPU)]
     write_table(board, cases, tmp_path)
     with (tmp_path / "scoreboard.csv").open() as file:
         cells = {row["dataset"]: row["rdq"] for row in csv.DictReader(file)}

@@ -9,8 +9,9 @@ the end, the tables are in OUT/scoreboard.md, and what was said of each dataset 
 
 *Any alarm counts*: whatever is said of a damaged dataset and not of the undamaged one, notes too, right or wrong. A
 finding is another one where its check, how bad it is, its text without numbers, or the episode, feature or joint that
-it is about differs. Where there is no report, an exit code that is not 0 is an alarm. On a healthy shape, warnings and
-worse are alarms, notes are none.
+it is about differs. Where there is no report, an exit code that is not 0 is an alarm. How often that is chance, the
+column *recorded again* says: the same robot does the same once more, nothing is wrong, and any alarm counts as well.
+On a healthy shape, warnings and worse are alarms, notes are none.
 
 CPU and memory are those of fresh processes, on the undamaged datasets. Of the others, each is asked in a fork of a
 process that has imported the peer, for starting all of them afresh takes most of a day on two cores.
@@ -55,7 +56,7 @@ CPU_LIMIT = 60
 STRIDE = 10
 N_WORKERS = 2
 FILES = "files and metadata"
-BASE, HEALTHY = "undamaged", "healthy"
+BASE, HEALTHY, AGAIN = "undamaged", "healthy", "recorded again"
 UNDAMAGED = {"unpadded": "messy"}
 """What is laid out so that it is a fault in itself, and what it was before."""
 # What the words of each say when it comes to nothing itself, whether or not it goes on.
@@ -105,9 +106,11 @@ def _cases() -> Iterator[tuple[str, Case]]:
     }
     for base in sorted(damages.BASES.keys() - UNDAMAGED):
         yield base, Case(BASE, damages.BASES[base])
-    for robot in sorted({kind.robot for kind in arm_damages.KINDS.values()}):
-        yield robot, Case(BASE, partial(write_arm, robot))
-    yield "filmed", Case(BASE, arm_cameras.copy_filmed)
+    arm_writers = {robot: partial(write_arm, robot) for robot in arms.ROBOTS} | {"filmed": arm_cameras.copy_filmed}
+    for robot, write in arm_writers.items():
+        yield robot, Case(BASE, write)
+        for seed in (1, 2, 3):
+            yield f"{robot} {seed}", Case(AGAIN, partial(write, seed=seed), f"{BASE}/{robot}")
     for group, kinds in tables.items():
         for name, damage in kinds.items():
             if damage.file != "dataset.verdict.json":  # a file that nobody but z2r reads
@@ -125,8 +128,8 @@ def _cases() -> Iterator[tuple[str, Case]]:
         yield name, Case(HEALTHY, partial(healthy.write_healthy, name))
 
 
-def write_arm(robot: str, root: Path) -> None:
-    arms.write(arms.make(robot), root)
+def write_arm(robot: str, root: Path, seed: int = 0) -> None:
+    arms.write(arms.make(robot, seed), root)
 
 
 def once_each(kinds: Mapping[str, arm_damages.Kind]) -> Iterator[tuple[str, str]]:
@@ -285,7 +288,7 @@ def summary(board: Mapping[tuple[str, str], Said], cases: Mapping[str, Case]) ->
     """The tables, in Markdown."""
     found = alarms(board, cases)
     peers = [name for name in PEERS if any(peer == name for peer, _ in board)]
-    groups = {case.group: None for case in cases.values() if case.group not in (BASE, HEALTHY)}
+    groups = {case.group: None for case in cases.values() if case.group not in (BASE, HEALTHY, AGAIN)}
 
     def levels(peer: str, *of: str) -> list[str]:
         return [level for (own, name), level in found.items() if own == peer and cases[name].group in of]
@@ -295,15 +298,15 @@ def summary(board: Mapping[tuple[str, str], Said], cases: Mapping[str, Case]) ->
         own = [said for said in board.values() if said.peer == peer]
         fresh = [said for said in own if cases[said.dataset].group == BASE]
         return (
-            *(peer, share(damaged, *LEVELS), share(damaged, STOP)),
+            *(peer, share(damaged, *LEVELS), share(damaged, STOP), share(levels(peer, AGAIN), *LEVELS)),
             *(share(whole, *LEVELS[1:]), share(whole, STOP)),
             *(f"{sum(said.crashed for said in own)}", f"{sum(said.too_long for said in own)}"),
             f"{statistics.median(said.cpu_seconds for said in fresh):.2f} s",
             f"{max(said.mebibytes for said in fresh):.0f} MiB",
         )
 
-    title = ["", "damaged: any alarm", "that stops", "healthy: a warning", "that stops", "crashed", "too long"]
-    whole = table([*title, "CPU, median", "most memory"], map(row, peers))
+    title = ["", "damaged: any alarm", "that stops", f"{AGAIN}: any alarm", "healthy: a warning", "that stops"]
+    whole = table([*title, "crashed", "too long", "CPU, median", "most memory"], map(row, peers))
     by_group = table(
         ["any alarm", *groups], ([peer, *(share(levels(peer, group), *LEVELS) for group in groups)] for peer in peers)
     )
@@ -315,7 +318,7 @@ def missed(found: Mapping[tuple[str, str], str], cases: Mapping[str, Case], peer
     ours = [name for name in peers if name.startswith("z2r")]
     rows = []
     for name, case in cases.items():
-        if case.base and not any(found.get((peer, name), "missing") for peer in ours):
+        if case.base and case.group != AGAIN and not any(found.get((peer, name), "missing") for peer in ours):
             others = [peer for peer in peers if found.get((peer, name), "") in LEVELS[1:]]
             rows.append([name, ", ".join(others) or "nobody"])
     return table(["z2r says nothing of", "a warning or worse by"], rows)
