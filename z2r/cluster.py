@@ -53,7 +53,8 @@ class RayExecutor(Executor):
         except Exception as error:  # Ray raises a bare one where it does not start in time, as on a busy machine
             if self._is_own:
                 ray.shutdown()
-            said = f"no cluster at {address} ({str(error).splitlines()[0]})"
+            why = str(error).partition("\n")[0] or type(error).__name__
+            said = f"no cluster at {address} ({why})"
             raise DatasetError(Fault(Path("--ray"), "", said, "the address of one, or none")) from None
         self._run = ray.remote(_run)
 

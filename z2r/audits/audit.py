@@ -560,7 +560,8 @@ def _motion_not_checked(claims: Claims, sums: Sequence[FileSums]) -> Iterator[st
     """Say of which joints and episodes nobody knows whether they move as they should."""
     pairs = pairs_of(claims.schema, claims.reading)
     if (action := claims.schema.signals().get(ACTION)) is not None:
-        alone = [column_label(ACTION, action, dim) for dim in {*range(action.size)} - {pair.dim for pair in pairs}]
+        driving = {pair.dim for pair in pairs}
+        alone = [column_label(ACTION, action, dim) for dim in range(action.size) if dim not in driving]
         what = some(alone) if pairs else "any command"
         if alone:
             yield f"whether {what} is followed: neither names nor a reading say which column it drives"
