@@ -115,7 +115,7 @@ def test_every_kind_is_there_and_knows_what_it_was():
     assert {case.base for case in cases.values()} - {""} == {name for name, case in cases.items() if case.group == BASE}
     assert all(bool(case.base) != (case.group in (BASE, HEALTHY)) for case in cases.values())
     assert len({scoreboard.folder_of(name, Path()) for name in cases}) == len(cases)
-    ordered = spread(cases, cases)
+    ordered = spread(cases)
     assert sorted(ordered) == sorted(cases)
     n_bases = sum(case.group == BASE for case in cases.values())
     tenth = ordered[n_bases : n_bases + len(cases) // 10]

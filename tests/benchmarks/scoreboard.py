@@ -60,10 +60,9 @@ from peers import LEVELS, NOTE, PEERS, STOP, Peer  # noqa: E402
 from rich.progress import track  # noqa: E402
 
 CPU_LIMIT = 60
-"""How much CPU a peer may use on one dataset [s]; none has 40,000 frames."""
+"""How much CPU a peer may use on one dataset [s]."""
 STRIDE = 10
 N_WORKERS = 2
-FILES = "files and metadata"
 BASE, HEALTHY, AGAIN = "undamaged", "healthy", "recorded again"
 UNDAMAGED = {"unpadded": "messy"}
 """What is laid out so that it is a fault in itself, and what it was before."""
@@ -108,7 +107,7 @@ def all_cases() -> dict[str, Case]:
 
 def _cases() -> Iterator[tuple[str, Case]]:
     tables = {
-        FILES: damages.ON_INFO | damages.ON_META | damages.ON_TASKS | damages.ON_INDEX | damages.ON_DATA,
+        "files and metadata": damages.ON_INFO | damages.ON_META | damages.ON_TASKS | damages.ON_INDEX | damages.ON_DATA,
         "values of PushT": damages.ON_VALUES,
         "labels, and what a policy needs": damages.ON_LABELS | damages.ON_READINESS,
     }
@@ -122,10 +121,8 @@ def _cases() -> Iterator[tuple[str, Case]]:
     for group, kinds in tables.items():
         for name, damage in kinds.items():
             if damage.file != "dataset.verdict.json":  # a file that nobody but z2r reads
-                yield (
-                    name,
-                    Case(group, partial(damages.make, name), f"{BASE}/{UNDAMAGED.get(damage.base, damage.base)}"),
-                )
+                base = f"{BASE}/{UNDAMAGED.get(damage.base, damage.base)}"
+                yield name, Case(group, partial(damages.make, name), base)
     for name, variant in once_each(arm_damages.KINDS):
         base = f"{BASE}/{arm_damages.KINDS[name].robot}"
         yield name, Case("recordings of arms", partial(arm_damages.write_case, name, variant), base)
@@ -147,12 +144,11 @@ def once_each(kinds: Mapping[str, arm_damages.Kind]) -> Iterator[tuple[str, str]
             yield name, max(variants, key=arm_damages.VARIANTS.index)
 
 
-def spread(names: Iterable[str], cases: Mapping[str, Case]) -> list[str]:
+def spread(cases: Mapping[str, Case]) -> list[str]:
     """The undamaged ones first, then every tenth of the others, so that a part of them is a sample of all."""
-    names = list(names)
-    others = [name for name in names if cases[name].group != BASE]
-    ordered = [name for first in range(STRIDE) for name in others[first::STRIDE]]
-    return [name for name in names if cases[name].group == BASE] + ordered
+    bases = [name for name, case in cases.items() if case.group == BASE]
+    others = [name for name in cases if name not in bases]
+    return bases + [name for first in range(STRIDE) for name in others[first::STRIDE]]
 
 
 def folder_of(name: str, out: Path) -> Path:
@@ -365,7 +361,7 @@ def main() -> None:
     parser.add_argument("--first", type=int, help="how many datasets, spread over all")
     args = parser.parse_args()
     out, cases = args.out.resolve(), all_cases()
-    names = spread(cases, cases)[: args.first]
+    names = spread(cases)[: args.first]
     out.mkdir(parents=True, exist_ok=True)
     write_datasets(names, out)
     ask_all(names, cases, out)
