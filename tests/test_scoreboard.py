@@ -1,6 +1,7 @@
 """The scoreboard asks each peer about the same copies and counts what is new; no peer but z2r is run here."""
 
 import csv
+import re
 import shutil
 import signal
 import sys
@@ -13,8 +14,21 @@ import z2r
 
 sys.path.insert(0, str(Path(__file__).parent / "benchmarks"))
 import scoreboard
-from peers import PEERS, Peer
-from scoreboard import BASE, HEALTHY, Case, alarms, all_cases, ask_all, heard, new, spread, unnumbered, write_table
+from peers import LEVELS, PEERS, Peer
+from scoreboard import (
+    AGAIN,
+    BASE,
+    HEALTHY,
+    Case,
+    alarms,
+    all_cases,
+    ask_all,
+    heard,
+    new,
+    spread,
+    unnumbered,
+    write_table,
+)
 
 # It says of the dataset in its name what it says of the undamaged one, more, or nothing, or it never comes to an end.
 FAKE = f"""#!{sys.executable}
@@ -101,8 +115,28 @@ def test_every_kind_is_there_and_knows_what_it_was():
     assert {case.base for case in cases.values()} - {""} == {name for name, case in cases.items() if case.group == BASE}
     assert all(bool(case.base) != (case.group in (BASE, HEALTHY)) for case in cases.values())
     assert len({scoreboard.folder_of(name, Path()) for name in cases}) == len(cases)
-    ordered = spread(cases, cases)
+    ordered = spread(cases)
     assert sorted(ordered) == sorted(cases)
     n_bases = sum(case.group == BASE for case in cases.values())
     tenth = ordered[n_bases : n_bases + len(cases) // 10]
     assert {cases[name].group for name in tenth} == {case.group for case in cases.values()} - {BASE}
+
+
+def test_the_readme_says_what_was_measured():
+    with (Path(scoreboard.__file__).parent / "scoreboard.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    damaged = [row for row in rows if row["before"] and not row["dataset"].startswith(AGAIN)]
+    whole = [row for row in rows if row["dataset"].startswith(HEALTHY)]
+    readme = " ".join((scoreboard.ROOT / "README.md").read_text().split())
+    assert f"the same {len(rows)} datasets" in readme
+    assert f"Of {len(damaged)} kinds of damage" in readme
+    of_damage, of_health = re.search(r"`z2r audit --pictures` says something (.*?)\. Of 114 (.*?)\. ", readme).groups()
+    for peer in set(PEERS) - {"z2r"}:
+        name = "" if peer.startswith("z2r") else f"{peer} "
+        assert f"{name}at {sum(counts(row[peer], *LEVELS) for row in damaged)}" in of_damage
+        named = peer.split()[0]
+        assert re.search(rf"\b{named}\b[^\d]* at {sum(counts(row[peer], *LEVELS[1:]) for row in whole)}\b", of_health)
+
+
+def counts(cell, *levels):
+    return cell.partition(" ")[0] in levels
