@@ -188,6 +188,15 @@ def test_a_dataset_is_no_address_of_a_cluster(tmp_path: Path) -> None:
     assert "put DATASET before --ray" in in_one_line(refused)
 
 
+def test_a_cluster_that_does_not_start_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    def give_up(*_: object, **__: object) -> None:
+        raise Exception  # as bare as Ray raises it
+
+    monkeypatch.setattr(pytest.importorskip("ray"), "init", give_up)
+    with pytest.raises(DatasetError, match=r"no cluster at local \(Exception\)"):
+        RayExecutor()
+
+
 def test_nobody_at_an_address_is_an_error(tmp_path: Path) -> None:
     pytest.importorskip("ray")
     for address in ("127.0.0.1:1", "ray://127.0.0.1:1"):
