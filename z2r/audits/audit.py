@@ -57,7 +57,7 @@ from z2r.format.decoding import check_can_decode
 from z2r.format.schema import ACTION, MAX_SIGNAL_SIZE, STATE, Schema, column_label
 from z2r.format.tables import DataColumns, read_data_blocks, read_data_file, read_data_footer
 from z2r.reading.breaks import BreakMode
-from z2r.reading.decode import can_decode, decode
+from z2r.reading.decode import Decoded, can_decode, decode
 from z2r.reading.reading import Reading
 from z2r.reading.scene import Scene, SceneSums
 from z2r.reading.stored import label_in
@@ -334,7 +334,7 @@ def _fold_files[T](
     schema, numbers, pairs = claims.schema, claims.stored.task_numbers, pairs_of(claims.schema, claims.reading)
     n_moments = moments_to_keep(schema, len(claims.table.number))
     fold = partial(_fold_block, claims.root, schema, numbers, claims.reading, pairs, scene, pictures, n_moments)
-    work = partial(_read_and_fold, claims.root, schema, _wants_whole_files(claims, scene), fold, beside)
+    work = partial(_read_and_fold, claims.root, schema, _wants_whole_files(claims), fold, beside)
     sums, pile, made = [], Pile(len(claims.table.number)), []
     for part, other in in_order(work, files, executor):
         if part.n_rows:
@@ -345,11 +345,9 @@ def _fold_files[T](
     return sums, pile.whole, made
 
 
-def _wants_whole_files(claims: Claims, scene: Scene | None) -> bool:
-    """Tell whether a data file is read at once: a misreading, a scene and pictures ask of all of its frames."""
-    pictures = any(feature.dtype == "image" for feature in claims.schema.features.values())
-    seen = scene is not None and claims.reading is not None and not claims.reading.missing(claims.schema)
-    return claims.misread is not None or seen or pictures
+def _wants_whole_files(claims: Claims) -> bool:
+    """Tell whether a data file is read at once: a misreading and pictures ask of all of its frames."""
+    return claims.misread is not None or any(feature.dtype == "image" for feature in claims.schema.features.values())
 
 
 class _Block(NamedTuple):
@@ -363,8 +361,9 @@ class _Block(NamedTuple):
         What is wrong with its rows.
     n_runs : int
         How many runs of frames there are up to its end.
-    before, usual, reach
-        What the next block builds on: from `known_after`, `fold_following` and `fold_idle`.
+    before, usual, reach, last
+        What the next block builds on: from `known_after`, `fold_following` and `fold_idle`, and the last frame, as the
+        scene sees it.
     """
 
     sums: FileSums
@@ -373,6 +372,7 @@ class _Block(NamedTuple):
     before: Before | None = None
     usual: Sequence[Usual] = ()
     reach: Sequence[Floats] = ()
+    last: Decoded | None = None
 
 
 def _read_and_fold[T](
@@ -398,11 +398,11 @@ def _read_and_fold[T](
         block = fold(claims, read, block)
         if block.sums.n_rows is None and block.sums.findings:
             return block.sums, made
-        pile.add(block.sums._replace(n_rows=None, scene=None))
+        pile.add(block.sums._replace(n_rows=None))
         said += block.said
         n_rows = None if read.n_rows is None else read.first + read.n_rows
         file = FileColumns(claims, schema, read._replace(first=0, n_rows=n_rows, frames={}))
-    return _with_findings(pile.whole._replace(scene=block.sums.scene), file, said), made
+    return _with_findings(pile.whole, file, said), made
 
 
 def _read(root: Path, schema: Schema, whole: bool, path: Path) -> Iterator[DataColumns]:
@@ -447,6 +447,7 @@ def _fold_block(
         task_pairs = fold_tasks(frames)
         following, usual = fold_following(pairs, signals, stats, starts, frames.head, last.usual)
         idle, reach = fold_idle(frames, stats, last.reach)
+        seen, last_seen = _fold_scene(scene, frames, reading, last.last, findings)
         kept = FileSums(
             n_rows=frames.read.n_rows,
             findings=findings,
@@ -456,14 +457,14 @@ def _fold_block(
             steps={name: steps for name, (_, steps) in sums.items() if moves(name)},
             following=following,
             labels=fold_labels(frames, reading),
-            scene=_fold_scene(scene, frames, reading, findings),
+            scene=seen,
             idle=idle,
             tasks=None if task_pairs is None else task_pairs + np.array([last.n_runs, 0]),
             images=sum_images(images),
             places=sum_places(frames) if pictures else None,
             moments=keep_moments(schema, signals, starts, n_moments) if n_moments and signals else None,
         )
-        return _Block(kept, said, last.n_runs + len(starts), index.known_after(frames), usual, reach)
+        return _Block(kept, said, last.n_runs + len(starts), index.known_after(frames), usual, reach, last_seen)
     except Exception as error:
         return _Block(FileSums(None, [failed(claims.path.as_posix(), error)]), [])
 
@@ -473,16 +474,20 @@ def _of_the_file(finding: Finding, claims: FileClaims) -> Finding:
     return finding if finding.episodes else replace(finding, episodes=claims.numbers)
 
 
-def _fold_scene(scene: Scene | None, frames: FileFrames, reading: Reading | None, findings: list[Finding]) -> Any:
-    schema, columns = frames.schema, frames.read.frames
+def _fold_scene(
+    scene: Scene | None, frames: FileFrames, reading: Reading | None, before: Decoded | None, findings: list[Finding]
+) -> tuple[list[Any] | None, Decoded | None]:
+    """Return what the scene makes of these frames, and the last of them."""
+    schema, columns = frames.schema, frames.read.frames | frames.signals  # of these, each column is in one piece
     if scene is None or reading is None or not can_decode(columns, reading, schema):
-        return None
+        return None, None
     try:
         decoded = decode(columns, reading, schema)
-        return scene.fold(decoded, frames.base, frames.episodes, schema.fps)
+        sums = scene.fold(decoded, frames.base, frames.episodes, schema.fps, before)
     except Exception as error:
         findings.append(failed(f"the scene in {frames.path.as_posix()}", error))
-        return None
+        return None, None
+    return None if sums is None else [sums], decoded.take(np.array([-1]))  # a copy: of the others, nothing stays
 
 
 def _ask_of_all(
@@ -502,7 +507,7 @@ def _ask_of_all(
             joints_of_all = Joints(pairs, runs.number, join_all(following), ranges)
             yield from ask(asked_of(Joints, PARTS), joints_of_all)
     if scene and claims.reading and _has_scene(sums):
-        folded = [(file.path, part.scene) for file, part in zip(files, sums, strict=True) if part.n_rows]
+        folded = [(file.path, each) for file, part in zip(files, sums, strict=True) for each in part.scene or ()]
         paths, scene_sums = zip(*folded, strict=True)
         yield from ask(scene.checks, SceneSums(claims.root, claims.episodes, claims.reading, paths, scene_sums))
 

@@ -37,8 +37,8 @@ class FileSums(NamedTuple):
         How joints follow their commands; None where no command has the name of a joint.
     labels : FileLabels or None
         What success, reward and done say.
-    scene : object
-        What the scene made of it; None where there is none, or its columns are not there.
+    scene : list or None
+        What the scene made of each block of it; None where there is none, or its columns are not there.
     idle : ndarray, int64[n_runs, 2], or None
         In how many frames nothing moves, in the beginning and in the end of each run.
     tasks : ndarray, int64[n, 2], or None
@@ -59,7 +59,7 @@ class FileSums(NamedTuple):
     steps: dict[str, RunSteps] = {}  # noqa: RUF012
     following: Following | None = None
     labels: FileLabels | None = None
-    scene: Any = None
+    scene: list[Any] | None = None
     idle: Ints | None = None
     tasks: Ints | None = None
     images: dict[str, ImageSums] = {}  # noqa: RUF012

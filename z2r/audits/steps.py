@@ -120,13 +120,18 @@ def run_sums(values: Array, starts: Ints, fps: float | None = None) -> tuple[Run
     # One column after another: numpy reduces adjacent numbers many times faster, and what is at hand stays in a cache.
     for column in values.T:
         numbers = column.astype(np.float64)
-        change = change_in_runs(numbers, starts)
-        size = np.abs(change)
-        n_moving += size > 0
         if fps is not None:
             prints = prints * _MIXERS[0] + (numbers + 0.0).view(np.uint64)  # of 0 there are two, which differ in a bit
-        stats.append(_column_stats(numbers, change, size, starts, count))
-        steps.append(_column_steps(numbers, change, size, stats[-1], starts, count, begins))
+        if (numbers == numbers[0]).all():  # a target that rests, a gripper that nobody used
+            of_stats, of_steps = _still_column(numbers[starts], count)
+        else:
+            change = change_in_runs(numbers, starts)
+            size = np.abs(change)
+            n_moving += size > 0
+            of_stats = _column_stats(numbers, change, size, starts, count)
+            of_steps = _column_steps(numbers, change, size, of_stats, starts, count, begins)
+        stats.append(of_stats)
+        steps.append(of_steps)
     return (
         RunStats(n=count.astype(np.float64), **_stacked(stats)),
         RunSteps(
@@ -161,15 +166,24 @@ def _stacked(columns: Sequence[dict[str, Any]]) -> dict[str, Any]:
     return {name: stack_columns([column[name] for column in columns]) for name in columns[0]}
 
 
+def _still_column(first: Floats, count: Ints) -> tuple[dict[str, Floats], dict[str, Any]]:
+    """Sum up a column that never changes: all of its frames say what the first of each run does."""
+    still, starts, once = np.zeros(len(first)), np.arange(len(first)), np.ones_like(count)
+    stats = _column_stats(first, still, still, starts, once)
+    steps = _column_steps(first, still, still, stats, starts, once, starts)
+    return stats, steps | dict.fromkeys(("at_low", "at_high"), count.astype(np.int32))
+
+
 def _column_stats(values: Floats, change: Floats, size: Floats, starts: Ints, count: Ints) -> dict[str, Floats]:
-    mean = np.add.reduceat(values, starts) / count
+    low, high = np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)
+    mean = np.clip(np.add.reduceat(values, starts) / count, low, high)  # of one and the same value, that value
     back = np.zeros(len(change))
     np.negative(change[1:], out=back[:-1])
     up = np.maximum.reduceat(np.minimum(change, back), starts)  # there and back again, or nothing
     down = np.minimum.reduceat(np.maximum(change, back), starts)
     return {
-        "low": np.minimum.reduceat(values, starts),
-        "high": np.maximum.reduceat(values, starts),
+        "low": low,
+        "high": high,
         "mean": mean,
         "squares": np.add.reduceat(np.square(values - np.repeat(mean, count)), starts),
         "step": np.maximum.reduceat(size, starts),

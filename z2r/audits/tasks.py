@@ -107,9 +107,10 @@ def tasks_of_an_episode(runs: Runs) -> Iterator[Answer]:
         if fault[:2] not in [said[:2] for said in runs.claims.stored.episodes.faults]:
             yield fault
         return
-    unsaid = [each for each in episodes if each.named < each.there]
-    differ = [each for each in episodes if not each.named <= each.there]
-    several = [each for each in episodes if each.named == each.there and len(each.there) > 1]
+    unlike = [each for each in episodes if each.named != each.there]  # of many episodes, few
+    unsaid = [each for each in unlike if each.named < each.there]
+    differ = [each for each in unlike if not each.named < each.there]
+    several = [each for each in episodes if len(each.there) > 1 and each.named == each.there]
     answers: tuple[tuple[Severity, list[_Tasks], str], ...] = (
         ("error", differ, "A policy is told what the frames say. Whoever edits goes by the metadata"),
         ("warning", unsaid, "Its task_index changes: where that is meant, as for subtasks, name them all"),

@@ -1,6 +1,6 @@
 """Is the reading right? Checks that need no label: what solid bodies, an action and time can do and cannot.
 
-Each data file is folded into sums (`PushTSums`); what those of all files say is asked at the end.
+Each block of a data file is folded into sums (`PushTSums`); what all of them say is asked at the end.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -47,7 +47,7 @@ class Worst(NamedTuple):
 
 
 class PushTSums(NamedTuple):
-    """What is kept of one data file; the numbers of frames count over the whole dataset."""
+    """What is kept of one block of a data file; the numbers of frames count over the whole dataset."""
 
     n_frames: int
     overlap: Worst
@@ -58,14 +58,14 @@ class PushTSums(NamedTuple):
     half_turns: Worst
     motion: Floats  # of each of these episodes, as `motion_sums` gives it
     stuck: Worst
-    episode: Ints  # numbers of the episodes that this file holds a part of
+    episode: Ints  # numbers of the episodes that this block holds a part of
     in_tolerance: Bools  # in one of its frames
     first: Floats  # offset from the target in its first frame here: x [m], y [m], turn [rad]
     last: Floats
 
 
 class _Rows(NamedTuple):
-    """The rows of a data file: which frame the first is, how many there are, and the parts of episodes in them."""
+    """The rows of a block: which frame the first is, how many there are, and the parts of episodes in them."""
 
     base: int
     n: int
@@ -73,23 +73,28 @@ class _Rows(NamedTuple):
     number: Ints
 
 
-def fold_file(decoded: Decoded, base: int, episodes: EpisodeIndex, fps: float) -> PushTSums | None:
-    """Sum up the frames of one data file, of which the first is frame `base`; None where they have no action."""
+def fold_block(
+    decoded: Decoded, base: int, episodes: EpisodeIndex, fps: float, before: Decoded | None = None
+) -> PushTSums | None:
+    """Sum up the frames of one block, of which the first is frame `base`; None where they have no action.
+
+    Of the frame before only the step from it to the first one counts: whether that is where an episode begins.
+    """
     n, action, meaning = len(decoded), decoded.action, decoded.reading.action
     if action is None or meaning is None:
         return None
     here, starts, stops = parts_within(episodes, base, base + n)
     rows = _Rows(base, n, starts, episodes.numbers[here])
     inside = _pairs_inside(starts, stops, n)
-    begins = np.isin(np.arange(1, n), starts)
     tee, pusher = decoded.pose("tee"), decoded.pose("pusher")
     steps = np.stack([np.diff(pusher.x), np.diff(pusher.y)], axis=1)  # (n - 1, 2)
     offset, errors, depth = _offset(decoded), frame_errors(decoded), overlap(decoded)
-    leaps, smooth = _leaps(steps, action, np.hypot(np.diff(tee.x), np.diff(tee.y)), 1 / fps)
+    leaps = _leaps(steps, action, np.hypot(np.diff(tee.x), np.diff(tee.y)), 1 / fps)
+    begins_here = episodes.from_index[here].min(initial=base + n) == base
     long = leaps > _LONG_LEAP
     together = inside & ~long if long.sum() < _RARE * len(long) else inside  # a leap is no motion, unless all motion is
     free = _away_from_walls(pusher)
-    fastest = np.abs(action).max(axis=1)
+    fastest = np.maximum(*np.abs(action.T))
     turned = np.abs(offset[:, 2])
     return PushTSums(
         n_frames=n,
@@ -97,7 +102,7 @@ def fold_file(decoded: Decoded, base: int, episodes: EpisodeIndex, fps: float) -
         beyond_limit=_worst(fastest, fastest > ACTION_LIMIT * (1 + 1e-6), rows),
         leaps=_worst(leaps, (leaps > _LEAP) & inside, rows),
         long_leaps=_worst(leaps, (leaps > _LONG_LEAP) & inside, rows),
-        seams=_worst(smooth, (smooth < _SMOOTH) & begins & ~inside, rows),
+        seams=_seams(before if begins_here else None, decoded, inside, 1 / fps, rows),
         half_turns=_worst(turned, turned > np.pi + 1e-6, rows),
         motion=motion_sums(steps * fps, action, together & free, starts, meaning.lag),
         stuck=_stuck(steps, action, inside & free, rows),
@@ -343,18 +348,40 @@ def _offset(decoded: Decoded) -> Floats:
     return np.stack([tee.x - target.x, tee.y - target.y, wrap_angle(turn) if wraps else turn], axis=1)
 
 
-def _leaps(steps: Floats, action: Floats, block_steps: Floats, seconds: float) -> tuple[Floats, Floats]:
-    """How far pusher or block go beyond what the action asks, and how far they are from where it would bring them."""
-    asked = action[:-1] * seconds
-    reach = np.hypot(*asked.T)
+def _leaps(steps: Floats, action: Floats, block_steps: Floats, seconds: float) -> Floats:
+    """How far pusher or block go beyond what the action asks."""
+    reach = np.hypot(*action[:-1].T) * seconds
     reach[1:] = np.maximum(reach[1:], reach[:-1])  # what moves does not stop at once
-    beyond = np.maximum(np.hypot(*steps.T), block_steps - _FLUNG) - reach
-    return beyond, np.maximum(np.hypot(*(steps - asked).T), block_steps)
+    beyond: Floats = np.maximum(np.hypot(*steps.T), block_steps - _FLUNG) - reach
+    return beyond
+
+
+def _seams(before: Decoded | None, decoded: Decoded, inside: Bools, seconds: float, rows: _Rows) -> Worst:
+    """Find where an episode begins, and the motion runs straight on."""
+    smooth, begin = np.full(rows.n, np.inf), rows.starts[rows.starts > 0]
+    begin = begin[~inside[begin - 1]]
+    smooth[begin] = _off_course(decoded.take(begin - 1), decoded.take(begin), seconds)
+    if before is not None:
+        smooth[:1] = _off_course(before, decoded.take(slice(1)), seconds)
+    return _worst(smooth, smooth < _SMOOTH, rows)
+
+
+def _off_course(last: Decoded, first: Decoded, seconds: float) -> Floats:
+    """How far pusher or block are from where the action of the frame before would bring them."""
+    assert last.action is not None  # as `fold_block` has seen
+    poses = ((last.pose(name), first.pose(name)) for name in ("pusher", "tee"))
+    pusher, tee = (np.stack([there.x - here.x, there.y - here.y]) for here, there in poses)  # (2, n)
+    off: Floats = np.maximum(np.hypot(*(pusher - last.action.T * seconds)), np.hypot(*tee))
+    return off
 
 
 def _stuck(steps: Floats, action: Floats, inside: Bools, rows: _Rows) -> Worst:
     """Find where the pusher does not move at all, frame after frame, although it is asked to."""
-    still = inside & (steps == 0).all(axis=1) & (np.hypot(*action[:-1].T) > STILL)
+    x, y = steps.T
+    still = inside & (x == 0) & (y == 0)
+    if not still.any():  # as in most
+        return Worst()
+    still &= np.hypot(*action[:-1].T) > STILL
     step = np.arange(1, len(still) + 1)
     in_a_row = step - np.maximum.accumulate(np.where(still, 0, step))
     return _worst(in_a_row.astype(np.float64), in_a_row >= _STUCK, rows)

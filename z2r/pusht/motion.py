@@ -43,17 +43,25 @@ def motion_sums(velocity: Floats, action: Floats, inside: Bools, starts: Ints, l
     ndarray, float64[n_episodes, n_shifts, 6, 2]
         Number of frames, sums of action a and velocity v, and of a², v² and a v.
     """
-    segment = np.cumsum(np.concatenate([[True], ~inside]))  # the same number where frames hang together
-    sums = np.zeros((len(starts), len(SHIFTS), 6, 2))
-    columns = np.zeros((6, 2, len(action)))  # the last frame has no motion, and may be an episode
-    frames = np.arange(len(velocity))
+    n = len(action)
+    segment = np.concatenate([[0], np.cumsum(~inside)])  # the same number where frames hang together
+    asked, moved = np.ascontiguousarray(action.T), np.zeros((2, n))
+    moved[:, :-1] = velocity.T  # the last frame has no motion, and may be an episode
+    sums = np.empty((len(starts), len(SHIFTS), 6, 2))
+    columns = np.empty((6, 2, n))
+    count, a, v, aa, vv, av = columns
     for place, shift in enumerate(SHIFTS):
         # Frame by frame, the action that would be the cause; where there is none, the frame does not count.
-        cause = np.clip(frames + shift + lag, 0, len(action) - 1)
-        valid = inside & (cause == frames + shift + lag) & (segment[cause] == segment[:-1])
-        a, v = action[cause].T * valid, velocity.T * valid
-        for column, product in zip(columns, (valid, a, v, a * a, v * v, a * v), strict=True):
-            column[:, :-1] = product
+        ahead = shift + lag
+        first = max(0, -ahead)
+        stop = max(first, min(n - 1, n - ahead))
+        frames, causes = slice(first, stop), slice(first + ahead, stop + ahead)
+        valid = np.zeros(n, dtype=bool)
+        valid[frames] = inside[frames] & (segment[causes] == segment[frames])
+        count[:], v[:], a[:, frames] = 1, moved, asked[:, causes]
+        columns[:3, :, ~valid] = 0
+        for product, one, other in ((aa, a, a), (vv, v, v), (av, a, v)):
+            np.multiply(one, other, out=product)
         sums[:, place] = np.moveaxis(np.add.reduceat(columns, starts, axis=2), 2, 0)
     return sums
 

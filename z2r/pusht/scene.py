@@ -6,7 +6,7 @@ from pathlib import Path
 
 from z2r.check import Part
 from z2r.format.episodes import EpisodeIndex
-from z2r.pusht.checks import PARTS, PushTSums, fold_file, ungraded
+from z2r.pusht.checks import PARTS, PushTSums, fold_block, ungraded
 from z2r.pusht.task import WALL
 from z2r.pusht.world import BODIES, PUSHT
 from z2r.reading.bodies import Body
@@ -31,9 +31,11 @@ class PushTScene:
         """What it asks in an audit."""
         return PARTS
 
-    def fold(self, decoded: Decoded, base: int, episodes: EpisodeIndex, fps: float) -> PushTSums | None:
-        """Sum up the frames of one data file."""
-        return fold_file(decoded, base, episodes, fps)
+    def fold(
+        self, decoded: Decoded, base: int, episodes: EpisodeIndex, fps: float, before: Decoded | None
+    ) -> PushTSums | None:
+        """Sum up the frames of a block of a data file."""
+        return fold_block(decoded, base, episodes, fps, before)
 
     def not_checked(self, root: Path) -> Iterator[str]:
         """Say what it could not look at."""

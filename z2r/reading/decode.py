@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -36,8 +37,14 @@ class Decoded:
         return f"Decoded({len(self):,} frames read as {self.reading.name}: {', '.join(self.columns)})"
 
     def pose(self, name: str) -> Pose:
-        """Decode the pose of a body, such as ``tee``."""
-        return read_pose(self.columns, self.reading.poses[name])
+        """Decode the pose of a body, such as ``tee``: once, for its angles are what costs."""
+        if name not in self._poses:
+            self._poses[name] = read_pose(self.columns, self.reading.poses[name])
+        return self._poses[name]
+
+    @cached_property
+    def _poses(self) -> dict[str, Pose]:
+        return {}
 
     def yaw(self, name: str) -> Floats:
         """Decode the yaw of a body [rad], float64[n_frames].

@@ -30,9 +30,9 @@ class SceneSums(NamedTuple):
     reading : Reading
         What the columns mean.
     paths : sequence of Path
-        The data files, relative to the dataset, in the order of their frames.
+        Of each block of frames its data file, relative to the dataset, in the order of the frames.
     sums : sequence
-        What `Scene.fold` made of each.
+        What `Scene.fold` made of each block.
     """
 
     root: Path
@@ -43,7 +43,7 @@ class SceneSums(NamedTuple):
 
 
 class Scene(Protocol):
-    """What a task knows beyond what its reading says. It survives pickling, as does what it folds a file into.
+    """What a task knows beyond what its reading says. It survives pickling, as does what it folds a block into.
 
     Attributes
     ----------
@@ -69,8 +69,22 @@ class Scene(Protocol):
     @property
     def checks(self) -> "tuple[Part[SceneSums], ...]": ...  # noqa: D102
 
-    def fold(self, decoded: Decoded, base: int, episodes: EpisodeIndex, fps: float) -> Any:
-        """Sum up the frames of one data file, of which the first is frame `base`; None where an action is missing."""
+    def fold(self, decoded: Decoded, base: int, episodes: EpisodeIndex, fps: float, before: Decoded | None) -> Any:
+        """Sum up the frames of a data file, or of a block of one; None where an action is missing.
+
+        Parameters
+        ----------
+        decoded : Decoded
+            The frames. A block is cut where the frames say that another episode begins.
+        base : int
+            Which frame of the dataset the first is.
+        episodes : EpisodeIndex
+            Where episodes end, as the dataset claims.
+        fps : float
+            Frames per second.
+        before : Decoded or None
+            The last frame of the block before; None where the file begins.
+        """
 
     def not_checked(self, root: Path) -> Iterator[str]:
         """Say what it could not look at, although it has all of its columns."""
