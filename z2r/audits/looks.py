@@ -9,6 +9,7 @@ import numpy as np
 
 from z2r.arrays import Bools, Floats, Ints
 from z2r.audits.claims import Claims
+from z2r.audits.copies import pictures_again
 from z2r.audits.footage import Footage, ImageSums, VideoSums, place_frames
 from z2r.audits.glances import Filmed, Glance, Glances
 from z2r.audits.runs import Runs
@@ -51,6 +52,7 @@ _BLURRED = 0.6  # of the sharpness that an episode has most of the time
 _MORE_THAN_NOISE = 1.5  # of 255
 _BACK = 0.95  # of the farther one of two steps, the way of both
 _TINY = 1e-9  # of it
+_AGAIN = "the same pictures, although the robot is elsewhere, as episode"
 
 
 class _Path(NamedTuple):
@@ -80,11 +82,11 @@ class Look(NamedTuple):
         Which feature it is, and where they are stored.
     number : ndarray, int64[n_episodes]
         What the dataset calls the episodes.
-    flat, still, blank, dark, hung, slow, flicker, broken, leap, swing, focus, disorder, astray : Suspects
+    flat, still, blank, dark, hung, slow, flicker, broken, leap, swing, focus, disorder, again, astray : Suspects
         Where they are of one colour, or noise; stay the same although the robot moves; some of them are of one colour,
         or noise; some of them are black; stay the same for a while; do so again and again; differ from one to the next;
         do so at times; are others from some frame on; get brighter and darker all the time; are blurred at times; are
-        not in their order; do not go with the robot.
+        not in their order; are those of another episode; do not go with the robot.
     mend : str
         How to be surer; empty where it is sure.
     fits : float
@@ -113,6 +115,7 @@ class Look(NamedTuple):
     swing: Suspects = _NOBODY
     focus: Suspects = _NOBODY
     disorder: Suspects = _NOBODY
+    again: Suspects = _NOBODY
     astray: Suspects = _NOBODY
     fits: float = np.nan
     late: float = 0.0
@@ -252,10 +255,12 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths:
             slow[row] = repeats and not still[row]
             other = still[row] or slow[row] or flicker[row] or broken[row] or swing[row]
             disorder[row] = not other and _is_out_of_order(glance)
+    copies = pictures_again(seen, {row: (path.frames, path.places) for row, path in paths.items()})
     return Look(
         camera=camera,
         place=_place(runs.claims, camera),
         number=number,
+        again=Suspects(np.isin(np.arange(len(number)), list(copies)), lambda row: f"{_AGAIN} {number[copies[row]]}"),
         flat=Suspects(flat, lambda row: _nothing(seen[row])),
         blank=Suspects(blank, lambda row: _blanks(seen[row])),
         dark=Suspects(dark, lambda row: _blanks(seen[row])),

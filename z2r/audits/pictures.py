@@ -105,6 +105,14 @@ def no_two_cameras_show_the_same(looks: Looks) -> Iterator[Answer]:
         yield from _looks_wrong(twin.look, same, "pictures of its own")
 
 
+@CAMERA_TWIN.of(Looks)
+def no_two_episodes_show_the_same(looks: Looks) -> Iterator[Answer]:
+    """Are the pictures of an episode those of another one, whose robot goes another way? One of the two is wrong."""
+    for look in looks.cameras:
+        for fault in _looks_wrong(look, look.again, "pictures of its own"):
+            yield fault._replace(mend="Which of the two they belong to, the other cameras and the robot tell: look at both")
+
+
 @STATS.of(Looks)
 def pictures_have_the_stored_colour(looks: Looks) -> Iterator[Answer]:
     """Are the statistics of each camera those of its pictures? Those of some of them are near, those of another not."""
