@@ -1,5 +1,6 @@
 """Does every column move as it does in the other episodes? No command is needed, and nothing is declared."""
 
+import itertools
 from collections.abc import Iterator
 from typing import Any
 
@@ -339,26 +340,39 @@ def no_near_twins(runs: Runs) -> Iterator[Answer]:
         found = f"about {shared[run]:.0%} of the frames of episode {runs.number[first[run]]} as well{and_more(copied)}"
         named = episodes_of(runs.number, copied)
         yield Fault(DATA_DIR, f"episode {runs.number[run]}", found, "frames of its own", _COUNTS_TWICE, named)
-    yield from _nearly_again(runs, ~copied)
+    if STATE in runs.steps and 3 <= len(runs.number) <= MAX_COMPARED:
+        marks = _marks(runs, runs.claims.schema.features[STATE].size)
+        for at_their_own_speed, each in ((False, marks), (True, _moments_of_state(runs))):
+            for fault in _nearly_again(runs, each, copied, at_their_own_speed):
+                copied = copied | np.isin(runs.number, fault.episodes)
+                yield fault
 
 
-def _nearly_again(runs: Runs, asked: Bools) -> Iterator[Fault]:
-    """Find those of some runs that go nearly as another one does, frame for frame."""
-    if STATE not in runs.steps or not 3 <= len(runs.number) <= MAX_COMPARED:
-        return
-    distance, neighbour = _nearest(_marks(runs, runs.claims.schema.features[STATE].size))
+def _nearly_again(runs: Runs, marks: Floats, said: Bools, at_their_own_speed: bool) -> Iterator[Fault]:
+    """Find runs that go nearly as an earlier one does: frame for frame, or however long each is. Some have been said."""
+    distance, neighbour = _nearest(marks)
     known = np.isfinite(distance)
     if known.sum() < 3:
         return
     usual, n = float(np.quantile(distance[known], 0.75)), runs.n_frames
-    near = asked & known & (n >= MIN_FRAMES) & (distance < _NEAR * usual) & ((distance > 0) | (n != n[neighbour]))
-    pairs = sorted({tuple(sorted((run, int(neighbour[run])))) for run in np.flatnonzero(near).tolist()})
-    if pairs:
+    near = known & (n >= MIN_FRAMES) & (distance < _NEAR * usual) & ((distance > 0) | (n != n[neighbour]))
+    both = {tuple(sorted((run, int(neighbour[run])))) for run in np.flatnonzero(near).tolist()}
+    if pairs := sorted(pair for pair in both if not said[pair[1]]):
         one, other = pairs[0]
-        found = f"nearly episode {runs.number[one]} again: {distance[other]:.2g} apart{and_more(len(pairs))}"
+        speed = f" {n[other] / n[one]:.2f} times as long," if at_their_own_speed else ""
+        found = f"nearly episode {runs.number[one]} again:{speed} {distance[other]:.2g} apart{and_more(len(pairs))}"
         expected = f"demonstrations that differ by about {usual:.2g} of their spread"
         again = tuple(sorted({int(runs.number[each]) for _, each in pairs}))
         yield Fault(DATA_DIR, f"episode {runs.number[other]}", found, expected, _COUNTS_TWICE, again)
+
+
+def _moments_of_state(runs: Runs) -> Floats:
+    """Return the state at moments that are spread evenly over each run, float64[n_runs, n_moments, size]."""
+    size = runs.claims.schema.features[STATE].size
+    if runs.moments is None:
+        return np.empty((len(runs.number), 0, size))
+    before = sum(runs.claims.schema.features[name].size for name in itertools.takewhile(STATE.__ne__, runs.stats))
+    return runs.moments[:, :, 0, before : before + size].astype(np.float64)
 
 
 def _shared(runs: Runs) -> tuple[Floats, Ints, Bools]:
