@@ -1,6 +1,5 @@
 """Does every column move as it does in the other episodes? No command is needed, and nothing is declared."""
 
-import itertools
 from collections.abc import Iterator
 from typing import Any
 
@@ -226,19 +225,14 @@ def episodes_begin_at_one_place(runs: Runs) -> Iterator[Answer]:
     first[:, turns] = np.abs(first[:, turns])  # q and -q are one turn
     ranges, step = runs.spans(STATE), np.quantile(runs.stats[STATE].step, 0.9, axis=0)
     for column in np.flatnonzero(_continuous(runs, STATE)).tolist():
-        order = np.argsort(first[:, column], kind="stable")
-        gaps = np.diff(first[order, column])
-        cut = int(gaps.argmax()) + 1
-        groups = (order[:cut], order[cut:])
-        few = min(groups, key=len)
-        spread = max(float(np.ptp(first[group, column])) for group in groups)
-        gap, least = gaps[cut - 1], max(_FAR_HOME * ranges[column], _AWAY * step[column])
+        few, gap, spread = parted(first[:, column])
+        least = max(_FAR_HOME * ranges[column], _AWAY * step[column])
         surely = gap >= max(_HOMES_APART * spread, least)
         if not surely and (len(few) > 1 or gap < max(_ONE_APART * spread, least)):
             continue
         wrong = np.zeros(len(runs.number), dtype=bool)
         wrong[few] = True
-        if not _share_a_task(runs, wrong):
+        if not share_a_task(runs, wrong):
             continue  # one task may begin where another does not
         here, there = float(np.median(first[wrong, column])), float(np.median(first[~wrong, column]))
         mend = "Was it calibrated anew, is a sign, a unit or an order another one, or does an episode begin too late?"
@@ -267,7 +261,7 @@ def episodes_are_not_shifted(runs: Runs) -> Iterator[Answer]:
         by = float(np.median(seen[1, wrong]) - np.median(seen[1, ~wrong]))
         goes = np.median(stats.high[:, column] - stats.low[:, column])  # where it hardly does, each rests at its own
         apart = (gap >= np.maximum(_SHIFTED * spread, _SHARE * ranges[column])).all()
-        if apart and goes >= abs(by) and _share_a_task(runs, wrong):
+        if apart and goes >= abs(by) and share_a_task(runs, wrong):
             found = f"a first, a lowest and a highest value that are all {'higher' if by > 0 else 'lower'}, by {by:.3g}"
             mend = "Was it calibrated anew, or is another tool or another zero set there?"
             place = f"{_dim(runs, STATE, column)} in {_named(runs, wrong)}"
@@ -342,7 +336,7 @@ def no_near_twins(runs: Runs) -> Iterator[Answer]:
         yield Fault(DATA_DIR, f"episode {runs.number[run]}", found, "frames of its own", _COUNTS_TWICE, named)
     if STATE in runs.steps and 3 <= len(runs.number) <= MAX_COMPARED:
         marks = _marks(runs, runs.claims.schema.features[STATE].size)
-        for at_their_own_speed, each in ((False, marks), (True, _moments_of_state(runs))):
+        for at_their_own_speed, each in ((False, marks), (True, runs.moments_of(STATE)[:, :, 0].astype(np.float64))):
             for fault in _nearly_again(runs, each, copied, at_their_own_speed):
                 copied = copied | np.isin(runs.number, fault.episodes)
                 yield fault
@@ -355,7 +349,8 @@ def _nearly_again(runs: Runs, marks: Floats, said: Bools, at_their_own_speed: bo
     if known.sum() < 3:
         return
     usual, n = float(np.quantile(distance[known], 0.75)), runs.n_frames
-    near = known & (n >= MIN_FRAMES) & (distance < _NEAR * usual) & ((distance > 0) | (n != n[neighbour]))
+    limit = (_NEAR / 2 if at_their_own_speed else _NEAR) * usual  # some of those of any speed are near by chance
+    near = known & (n >= MIN_FRAMES) & (distance < limit) & ((distance > 0) | (n != n[neighbour]))
     both = {tuple(sorted((run, int(neighbour[run])))) for run in np.flatnonzero(near).tolist()}
     if pairs := sorted(pair for pair in both if not said[pair[1]]):
         one, other = pairs[0]
@@ -364,15 +359,6 @@ def _nearly_again(runs: Runs, marks: Floats, said: Bools, at_their_own_speed: bo
         expected = f"demonstrations that differ by about {usual:.2g} of their spread"
         again = tuple(sorted({int(runs.number[each]) for _, each in pairs}))
         yield Fault(DATA_DIR, f"episode {runs.number[other]}", found, expected, _COUNTS_TWICE, again)
-
-
-def _moments_of_state(runs: Runs) -> Floats:
-    """Return the state at moments that are spread evenly over each run, float64[n_runs, n_moments, size]."""
-    size = runs.claims.schema.features[STATE].size
-    if runs.moments is None:
-        return np.empty((len(runs.number), 0, size))
-    before = sum(runs.claims.schema.features[name].size for name in itertools.takewhile(STATE.__ne__, runs.stats))
-    return runs.moments[:, :, 0, before : before + size].astype(np.float64)
 
 
 def _shared(runs: Runs) -> tuple[Floats, Ints, Bools]:
@@ -460,7 +446,23 @@ def _median(values: Floats) -> Floats:
     return middle
 
 
-def _share_a_task(runs: Runs, wrong: Bools) -> bool:
+def parted(values: Floats) -> tuple[Ints, float, float]:
+    """Part values at the largest gap between them: which are fewer, how wide it is, and how far either others spread.
+
+    Examples
+    --------
+    >>> few, gap, spread = parted(np.array([3.0, 9.0, 2.0, 2.5]))
+    >>> few.tolist(), gap, spread
+    ([1], 6.0, 1.0)
+    """
+    order = np.argsort(values, kind="stable")
+    gaps = np.diff(values[order])
+    cut = int(gaps.argmax()) + 1
+    groups = (order[:cut], order[cut:])
+    return min(groups, key=len), float(gaps[cut - 1]), max(float(np.ptp(values[group])) for group in groups)
+
+
+def share_a_task(runs: Runs, wrong: Bools) -> bool:
     """Tell whether some of these episodes have a task that some of the others have as well."""
     if runs.tasks is None:
         return True
