@@ -503,7 +503,7 @@ def _ask_of_all(
         if len(following) == len(runs.read):
             pairs = pairs_of(claims.schema, claims.reading)
             ranges = runs.spans(ACTION)[[pair.dim for pair in pairs]]
-            joints_of_all = Joints(pairs, runs.number, join_all(following), ranges)
+            joints_of_all = Joints(pairs, runs.number, join_all(following), ranges, runs)
             yield from ask(asked_of(Joints, PARTS), joints_of_all)
     if scene and claims.reading and _has_scene(sums):
         folded = [(file.path, part.scene) for file, part in zip(files, sums, strict=True) if part.n_rows]

@@ -8,12 +8,16 @@ import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from z2r.arrays import Bools, Floats, Ints
 from z2r.audits.following import MIN_FRAMES, Following, Pair
+from z2r.audits.motion import LEAP
+from z2r.audits.runs import Runs
+from z2r.audits.values import JUMP
 from z2r.check import Answer, Check
 from z2r.errors import Fault, count, some
 from z2r.format.episodes import DATA_DIR
@@ -42,6 +46,10 @@ _COPIED = 0.1  # of the frames in which a command changes
 _STRAY = 8  # times as far beside its command as the others stray
 _BESIDE = 0.06  # of a joint's range
 _FAR_BESIDE = 0.09  # of a joint's range
+_SAME_UNIT = 4  # times, between the ranges of a command and of what it does not even drive
+_FARTHER = 2.5  # times the largest step of a command, and of those before and after: measured, 2.3 where nothing is wrong
+_SPIKE = 0.03  # of a joint's range
+_COMMANDS = 4  # times the largest step of a joint: measured, 3.2 where nothing is wrong
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,12 +66,34 @@ class Joints:
         A row for each run, a column for each pair.
     ranges : ndarray, float64[n_pairs]
         From the smallest to the largest command of all runs.
+    moved : Runs
+        How every feature moves in the same runs.
     """
 
     pairs: tuple[Pair, ...]
     number: Ints
     runs: Following
     ranges: Floats
+    moved: Runs
+
+    @cached_property
+    def steps(self) -> "Steps":
+        """How far commands and columns go from one frame to the next."""
+        stats, steps = self.moved.stats, self.moved.steps
+        seen = [(pair.feature, pair.column) for pair in self.pairs]
+        asked = [(ACTION, pair.dim) for pair in self.pairs]
+        spans = np.array([self.moved.spans(name)[column] for name, column in seen])
+        alike = _near(spans, self.ranges, _SAME_UNIT)
+        factor = np.where(self.followed & (self.usual["kind"] == 0), np.abs(self.usual["factor"]), np.nan)
+        factor[~self.followed & alike] = 1  # where the column does not follow, it has at least about the same range
+        return Steps(
+            asked=np.stack([stats[name].step[:, column] for name, column in asked], axis=1),
+            asked_spike=np.stack([stats[name].spike[:, column] for name, column in asked], axis=1),
+            seen=factor * np.stack([stats[name].step[:, column] for name, column in seen], axis=1),
+            seen_spike=factor * np.stack([stats[name].spike[:, column] for name, column in seen], axis=1),
+            around=factor * np.stack([steps[name].around[:, column] for name, column in seen], axis=1),
+            at=np.stack([steps[name].at[:, column] for name, column in seen], axis=1),
+        )
 
     @cached_property
     def grips(self) -> Bools:
@@ -110,6 +140,21 @@ class Joints:
         """What is usual where a column follows, each float64[n_pairs]; NaN where it does not."""
         names = ("kind", "lag", "least", "most", "explained", "factor")
         return {name: _median(getattr(self.runs, name), self.follows) for name in names}
+
+
+class Steps(NamedTuple):
+    """The largest steps of commands and of their columns, in the command's unit: [n_runs, n_pairs]; NaN where unknown.
+
+    A spike is a step that the next one takes back; `around` are the steps before and after the largest one of a column,
+    and `at` is the frame of the run to which that leads.
+    """
+
+    asked: Floats
+    asked_spike: Floats
+    seen: Floats
+    seen_spike: Floats
+    around: Floats
+    at: NDArray[np.int32]
 
 
 LATE = Check("late", "what a command brings about comes after it, and as many frames later in every episode", "warning")
@@ -420,6 +465,43 @@ def _partly_copied(joints: Joints) -> Iterator[Fault]:
         found = f"the state of the same frame in {some(names)}, bit for bit"
         mend = "Was no command recorded there? A policy learns to stay where it is"
         yield _in_episodes(ACTION, joints.number[partly], found, "commands, as of the other joints", mend)
+
+
+@LEAP.of(Joints)
+def no_joint_leaps_farther_than_it_is_told(joints: Joints) -> Iterator[Answer]:
+    """Does a joint leap, all at once, far beyond the largest step of its command? A grip may let go like this."""
+    steps = joints.steps
+    wrong = joints.judged & ~joints.grips & (steps.seen > _FARTHER * steps.asked)
+    wrong &= (steps.seen > _FARTHER * steps.around) & (steps.seen > _LITTLE * joints.ranges)
+    wrong &= steps.seen_spike < steps.seen / 2
+    for pair in np.flatnonzero(wrong.any(axis=0)).tolist():
+        run = int(np.where(wrong[:, pair], steps.seen[:, pair], 0).argmax())
+        found = f"a leap of {steps.seen[run, pair]:.3g} in frame {steps.at[run, pair]:.0f} of episode {joints.number[run]}"
+        expected = f"steps like those of its command, of {steps.asked[run, pair]:.3g} at most"
+        mend = "Did a horn or a belt slip, was a reading lost, or did something give way? Look at it"
+        yield "note", _in_episodes(joints.pairs[pair].name, joints.number[wrong[:, pair]], found, expected, mend)
+
+
+@JUMP.of(Joints)
+def no_single_reading_is_off(joints: Joints) -> Iterator[Answer]:
+    """Is a reading or a command again and again far off for one frame, farther than the other of the two ever steps?"""
+    steps, judged = joints.steps, joints.judged & ~joints.grips
+    seen = judged & (steps.seen_spike > steps.asked) & (steps.seen_spike > _SPIKE * joints.ranges)
+    asked = judged & (steps.asked_spike > _COMMANDS * steps.seen) & (steps.asked_spike > _SPIKE * joints.ranges)
+    for pair in np.flatnonzero(seen.sum(axis=0) > 0.5 * judged.sum(axis=0)).tolist():
+        yield _off_for_a_frame(joints, pair, joints.pairs[pair].name, seen, steps.seen_spike, steps.asked)
+    for pair in np.flatnonzero(asked.any(axis=0)).tolist():
+        fault = _off_for_a_frame(joints, pair, joints.pairs[pair].command, asked, steps.asked_spike, steps.seen)
+        yield "note", fault  # a policy may well say what no robot can do
+
+
+def _off_for_a_frame(joints: Joints, pair: int, name: str, wrong: Bools, spike: Floats, other: Floats) -> Fault:
+    run = int(np.where(wrong[:, pair], spike[:, pair], 0).argmax())
+    found = f"a leap of {spike[run, pair]:.3g} away and back, in episode {joints.number[run]} from one frame to the next"
+    both = joints.pairs[pair].name, joints.pairs[pair].command
+    expected = f"steps like those of {both[name == both[0]]}, of {other[run, pair]:.3g} at most"
+    mend = "Was a sample read or sent wrong? Smooth it, or leave these episodes out"
+    return _in_episodes(name, joints.number[wrong[:, pair]], found, expected, mend)
 
 
 def _beside(joints: Joints) -> tuple[Bools, Floats]:

@@ -32,6 +32,8 @@ _MOVES = 0.3  # of the usual way
 _ROUGH = 3  # times as rough as usual for its speed
 _REPEATED = 0.25  # of the frames: half of them, where a sensor is read at half the rate
 _SOME_REPEATED, _FEW_REPEATED = 0.04, 0.01  # of the frames, where the other episodes have few
+_ALIKE_REPEATED = 0.08  # of the frames, of the state and of the action
+_STEPS, _TICKS = 3, 1000  # through which a column goes
 _IDLE = 0.05  # of the usual motion
 _HOMES = 8  # episodes, from which one can be told to begin elsewhere
 _HOMES_APART = 6  # times as far as the episodes of one place are from each other
@@ -177,7 +179,10 @@ def no_episode_is_noisier(runs: Runs) -> Iterator[Answer]:
             yield ("note", fault) if name == ACTION else fault  # another hand may well tremble more
 
 
-@Check("repeat", "every frame is a new measurement", "warning").of(Runs)
+REPEAT = Check("repeat", "every frame is a new measurement", "warning")
+
+
+@REPEAT.of(Runs)
 def frames_are_no_repeats(runs: Runs) -> Iterator[Answer]:
     """Does every other frame repeat the one before, although the robot moves?"""
     for name, steps in runs.steps.items():
@@ -194,6 +199,37 @@ def frames_are_no_repeats(runs: Runs) -> Iterator[Answer]:
             mend = "Was it read more seldom than it was recorded? Then changes from frame to frame mean nothing"
             fault = _fault(runs, f"{name}{where}", wrong, found, "a new value in every frame while it moves", mend)
             yield ("note", fault) if everywhere else fault
+
+
+@REPEAT.of(Runs)
+def frames_come_evenly(runs: Runs) -> Iterator[Answer]:
+    """Are many frames of state and action alike the same as the one before, in nearly all episodes?"""
+    if STATE not in runs.steps or ACTION not in runs.steps:
+        return
+    both = np.minimum(runs.steps[STATE].repeated[:, 0], runs.steps[ACTION].repeated[:, 0]) / runs.n_frames
+    wrong = (both > _ALIKE_REPEATED) & (runs.n_frames >= MIN_FRAMES)
+    if wrong.mean() > _MOST and _median(both) <= _REPEATED:
+        found = f"both the same as in the frame before in about {_median(both):.0%} of the frames, between others that move"
+        mend = "Did frames come in bursts, and were they stored as if evenly spaced? Then the time of each is wrong"
+        yield "note", _fault(runs, f"{STATE} and {ACTION}", wrong, found, "new values in every frame", mend)
+
+
+@Check("resolution", "what moves is stored more finely than in whole numbers", "note").of(Runs)
+def nothing_is_rounded_to_whole_numbers(runs: Runs) -> Iterator[Answer]:
+    """Is all of a state or an action whole numbers, as if of a type that has no others? In some episodes, or in all."""
+    for name in (each for each in (STATE, ACTION) if each in runs.steps):
+        span, feature = runs.spans(name), runs.claims.schema.features[name]
+        moves = (span > _STEPS) & (span < _TICKS)  # fewer are switches, and more are what an encoder counts
+        values = runs.moments_of(name)[:, :, 0, moves]
+        if moves.sum() < 2 or not values.size or not feature.dtype.startswith("float"):
+            continue
+        wrong: Bools = (values == np.round(values)).all(axis=(1, 2))
+        if wrong.any():
+            where = "" if wrong.all() else f" in {_named(runs, wrong)}"
+            found = f"whole numbers only in {count(int(moves.sum()), 'column')}, at all moments that were looked at"
+            expected = "numbers as fine as the sensors are" if wrong.all() else "finer ones, as in the other episodes"
+            mend = "Was it cast to integers on the way? Small motion is lost"
+            yield _fault(runs, f"{name}{where}", wrong, found, expected, mend)
 
 
 @Check("idle-episode", "something happens in every episode", "warning").of(Runs)
