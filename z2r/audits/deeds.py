@@ -36,7 +36,7 @@ _SHARE = 0.15  # of a column's range
 
 _STANDS = 0.02  # of a gripper's range, in two frames
 _HELD_BACK, _NOT_HELD = 0.08, 0.2  # of it; and of how far it is held back in the others
-_MOST = 0.75  # of the episodes: they hold something
+_HALF, _MOST = 0.5, 0.75  # of the episodes: at least so many hold something, and what is usual in them
 _LATER = 3  # moments of an episode in which it stands: a hand or two may be in between
 
 
@@ -122,10 +122,10 @@ def grippers_hold_something(runs: Runs) -> Iterator[Answer]:
         closes = np.ptp(command, axis=1) >= np.median(np.ptp(command, axis=1)) / 2
         beside = np.abs(command - seen[:, :, 0, column])
         held = np.sort(np.where(stands, beside, 0), axis=1)[:, -_LATER].astype(np.float64)
-        usual = float(np.median(held))
+        usual = float(np.quantile(held, _MOST))
         wrong: Bools = (held <= _NOT_HELD * usual) & (held > 0) & closes  # a command may be a copy of the state
         holds = held >= max(_HELD_BACK * span, usual / 2)
-        if wrong.any() and (holds | wrong).all() and holds.mean() >= _MOST and share_a_task(runs, wrong):
+        if wrong.any() and (holds | wrong).all() and holds.mean() >= _HALF and share_a_task(runs, wrong):
             number = runs.number[wrong].tolist()
             place = f"{column_label(STATE, runs.claims.schema.features[STATE], column)} in {episodes_named(number)}"
             found = f"{held[wrong].max():.2g} beside its command at most, where it stands"
