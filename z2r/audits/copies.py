@@ -14,7 +14,9 @@ from z2r.audits.glances import Glance
 
 _OTHERS = 32  # episodes after each, with which it is compared
 _COMMON = 6  # pictures of the same frames, at least
-_SAME = 2.5  # of 255: so much a cell changes by when it is encoded again; measured, 1.5 where two episodes have 4 or more
+_SAME = (
+    2.5  # of 255: so much a cell changes by when it is encoded again; measured, 1.5 where two episodes have 4 or more
+)
 _CHANGES = 6  # times as much: what some cell changes by in pictures in which something happens
 _ELSEWHERE = 0.15  # spreads of where the robot is
 

@@ -137,36 +137,43 @@ def grippers_hold_something(runs: Runs) -> Iterator[Answer]:
 @Check("label-moment", "a success or a reward comes where it does in the other episodes", "note").of(Runs)
 def labels_come_where_they_do_elsewhere(runs: Runs) -> Iterator[Answer]:
     """Does a label come in a state, or so many frames before the end, as in no other episode?"""
-    if runs.comes is None:
+    come = (
+        np.flatnonzero(np.isfinite(runs.comes).all(axis=1)) if runs.comes is not None else np.empty(0, dtype=np.int64)
+    )
+    if runs.comes is None or len(come) < _MIN_EPISODES:
         return
-    come = np.isfinite(runs.comes).all(axis=1)
-    comes, odd = runs.comes[come], list[tuple[float, int, Ints]]()
-    if len(comes) < _MIN_EPISODES:
-        return
+    column, few = _elsewhere(runs.comes[come], np.append(np.median(runs.n_frames[come]), runs.spans(STATE)))
+    wrong: Bools = np.isin(np.arange(len(runs.number)), come[few])
+    if len(few) and share_a_task(runs, wrong):
+        here, there = (
+            float(np.median(runs.comes[some, column])) for some in (come[few], np.setdiff1d(come, come[few]))
+        )
+        name = column_label(STATE, runs.claims.schema.features[STATE], column - 1) if column else ""
+        where = [
+            f"where {name} is {each:.3g}" if name else f"{each:.0f} frames before the end" for each in (here, there)
+        ]
+        number = runs.number[wrong].tolist()
+        place = f"{label_of(runs.claims.schema)} in {episodes_named(number)}"
+        expected = f"it about {where[1]}, as in the other episodes"
+        mend = "Does the label come too early or too late there, or was something else done? Look at it"
+        yield Fault(DATA_DIR, place, f"what comes first {where[0]}", expected, mend, tuple(number))
+
+
+def _elsewhere(comes: Floats, whole: Floats) -> tuple[int, Ints]:
+    """Return in which column few rows, and which, are far from all others: in the first, or where they are farthest.
+
+    `comes` are (n, size), of which each column goes through the `whole` (size,), and the first counts frames.
+    """
+    odd: list[tuple[float, int, Ints]] = []
     for column, values in enumerate(comes.T):
         few, gap, spread = parted(values)
-        whole = runs.spans(STATE)[column - 1] if column else float(np.median(runs.n_frames[come]))
-        if gap >= max(_SHARE * whole, (_BEYOND if len(few) == 1 else _SURELY) * max(spread, 0 if column else 1)):
-            odd.append((gap / max(spread, _FINE * whole), column, few))
+        times = _BEYOND if len(few) == 1 else _SURELY
+        if gap >= max(_SHARE * whole[column], times * spread, 0 if column else times):
+            odd.append((gap / max(spread, _FINE * whole[column]), column, few))
     if not odd:
-        return
+        return 0, np.empty(0, dtype=np.int64)
     _, column, few = odd[0] if odd[0][1] == 0 else max(odd, key=lambda each: each[0])
-    wrong = np.zeros(len(come), dtype=bool)
-    wrong[np.flatnonzero(come)[few]] = True
-    if share_a_task(runs, wrong):
-        here, there = (np.median(runs.comes[some, column]) for some in (wrong, come & ~wrong))
-        feature, number = runs.claims.schema.features[STATE], runs.number[wrong].tolist()
-        where = f"where {column_label(STATE, feature, column - 1)} is {{:.3g}}" if column else "{:.0f} frames before the end"
-        place = f"{label_of(runs.claims.schema)} in {episodes_named(number)}"
-        mend = "Does the label come too early or too late there, or was something else done? Look at it"
-        yield Fault(
-            DATA_DIR,
-            place,
-            f"what comes first {where.format(here)}",
-            f"about {where.format(there)}, as in the other episodes",
-            mend,
-            tuple(number),
-        )
+    return column, few
 
 
 def label_of(schema: Schema) -> str | None:

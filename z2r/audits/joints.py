@@ -5,13 +5,12 @@ do it, or where one joint differs from all other joints.
 """
 
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from z2r.arrays import Bools, Floats, Ints
 from z2r.audits.following import MIN_FRAMES, Following, Pair
@@ -47,7 +46,9 @@ _STRAY = 8  # times as far beside its command as the others stray
 _BESIDE = 0.06  # of a joint's range
 _FAR_BESIDE = 0.09  # of a joint's range
 _SAME_UNIT = 4  # times, between the ranges of a command and of what it does not even drive
-_FARTHER = 2.5  # times the largest step of a command, and of those before and after: measured, 2.3 where nothing is wrong
+_FARTHER = (
+    2.5  # times the largest step of a command, and of those before and after: measured, 2.3 where nothing is wrong
+)
 _SPIKE = 0.03  # of a joint's range
 _COMMANDS = 4  # times the largest step of a joint: measured, 3.2 where nothing is wrong
 
@@ -79,20 +80,27 @@ class Joints:
     @cached_property
     def steps(self) -> "Steps":
         """How far commands and columns go from one frame to the next."""
-        stats, steps = self.moved.stats, self.moved.steps
+        moved = self.moved
         seen = [(pair.feature, pair.column) for pair in self.pairs]
         asked = [(ACTION, pair.dim) for pair in self.pairs]
-        spans = np.array([self.moved.spans(name)[column] for name, column in seen])
-        alike = _near(spans, self.ranges, _SAME_UNIT)
+        spans = np.array([moved.spans(name)[column] for name, column in seen])
+        alike = (spans < _SAME_UNIT * self.ranges) & (self.ranges < _SAME_UNIT * spans)
         factor = np.where(self.followed & (self.usual["kind"] == 0), np.abs(self.usual["factor"]), np.nan)
         factor[~self.followed & alike] = 1  # where the column does not follow, it has at least about the same range
+
+        def of(places: Sequence[tuple[str, int]], parts: Mapping[str, Any], what: str) -> Floats:
+            unknown = np.full(len(self.number), np.nan)
+            return np.stack(
+                [getattr(parts[name], what)[:, column] if name in parts else unknown for name, column in places], axis=1
+            )
+
         return Steps(
-            asked=np.stack([stats[name].step[:, column] for name, column in asked], axis=1),
-            asked_spike=np.stack([stats[name].spike[:, column] for name, column in asked], axis=1),
-            seen=factor * np.stack([stats[name].step[:, column] for name, column in seen], axis=1),
-            seen_spike=factor * np.stack([stats[name].spike[:, column] for name, column in seen], axis=1),
-            around=factor * np.stack([steps[name].around[:, column] for name, column in seen], axis=1),
-            at=np.stack([steps[name].at[:, column] for name, column in seen], axis=1),
+            asked=of(asked, moved.stats, "step"),
+            asked_spike=of(asked, moved.stats, "spike"),
+            seen=factor * of(seen, moved.stats, "step"),
+            seen_spike=factor * of(seen, moved.stats, "spike"),
+            around=factor * of(seen, moved.steps, "around"),
+            at=of(seen, moved.steps, "at"),
         )
 
     @cached_property
@@ -154,7 +162,7 @@ class Steps(NamedTuple):
     seen: Floats
     seen_spike: Floats
     around: Floats
-    at: NDArray[np.int32]
+    at: Floats
 
 
 LATE = Check("late", "what a command brings about comes after it, and as many frames later in every episode", "warning")
@@ -476,7 +484,9 @@ def no_joint_leaps_farther_than_it_is_told(joints: Joints) -> Iterator[Answer]:
     wrong &= steps.seen_spike < steps.seen / 2
     for pair in np.flatnonzero(wrong.any(axis=0)).tolist():
         run = int(np.where(wrong[:, pair], steps.seen[:, pair], 0).argmax())
-        found = f"a leap of {steps.seen[run, pair]:.3g} in frame {steps.at[run, pair]:.0f} of episode {joints.number[run]}"
+        found = (
+            f"a leap of {steps.seen[run, pair]:.3g} in frame {steps.at[run, pair]:.0f} of episode {joints.number[run]}"
+        )
         expected = f"steps like those of its command, of {steps.asked[run, pair]:.3g} at most"
         mend = "Did a horn or a belt slip, was a reading lost, or did something give way? Look at it"
         yield "note", _in_episodes(joints.pairs[pair].name, joints.number[wrong[:, pair]], found, expected, mend)
@@ -497,7 +507,9 @@ def no_single_reading_is_off(joints: Joints) -> Iterator[Answer]:
 
 def _off_for_a_frame(joints: Joints, pair: int, name: str, wrong: Bools, spike: Floats, other: Floats) -> Fault:
     run = int(np.where(wrong[:, pair], spike[:, pair], 0).argmax())
-    found = f"a leap of {spike[run, pair]:.3g} away and back, in episode {joints.number[run]} from one frame to the next"
+    found = (
+        f"a leap of {spike[run, pair]:.3g} away and back, in episode {joints.number[run]} from one frame to the next"
+    )
     both = joints.pairs[pair].name, joints.pairs[pair].command
     expected = f"steps like those of {both[name == both[0]]}, of {other[run, pair]:.3g} at most"
     mend = "Was a sample read or sent wrong? Smooth it, or leave these episodes out"

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from z2r.arrays import Bools, Floats, Ints
 from z2r.audits.claims import Claims
@@ -35,7 +36,7 @@ _LITTLE = 0.25  # of what a change usually takes
 _ONE_COLOUR = 3  # of standard deviation, at most
 _NOISE = 8  # what a cell changes by when the same picture is encoded again: measured, 7 and at times 24 at most
 _SAME_VIEW, _SAME_CELL = 1.5, 16  # what cells differ by, and one of them, when the same picture is encoded twice
-_DARK = 24
+_DARK, _BLACK = 24, 4
 _NO_SIGNAL = 1.2  # of grain: white noise has 1.41, and one pixel of a picture of something is much like the next
 
 _HARDLY = 0.25  # of a large change while the robot moves
@@ -97,6 +98,8 @@ class Look(NamedTuple):
         Red, green and blue on average over all that was seen, from 0 to 1.
     unlike : sequence of Unlike
         Which episodes look otherwise than the others; nobody knows where no picture is decoded.
+    bars : str
+        Where all pictures are black from edge to edge; empty where they are not on both sides.
     """
 
     camera: str
@@ -121,6 +124,7 @@ class Look(NamedTuple):
     late: float = 0.0
     colour: Floats = np.full(3, np.nan)
     unlike: Sequence[Unlike] = ()
+    bars: str = ""
 
 
 class Twin(NamedTuple):
@@ -279,8 +283,21 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths:
         disorder=Suspects(disorder, lambda row: _said_of_disorder(seen[row])),
         slow=Suspects(slow, lambda row: f"the picture of before again for {again[row]:.0%} of the robot's way"),
         mend="",
+        bars=_bars([glance.view for glance in seen.values()]),
         colour=np.mean([glance.colour for glance in seen.values()] or [np.full(3, np.nan)], axis=0),
     )
+
+
+def _bars(views: Sequence[NDArray[np.uint8]]) -> str:
+    """Say where all views (12, 16, 3) of a camera are black, if on two sides and less than half: it was made to fit."""
+    if len(views) < _MIN_EPISODES:
+        return ""
+    brightest = np.max(views, axis=(0, 3))  # (12, 16)
+    for sides, lines in (("above and below", brightest.max(axis=1)), ("left and right", brightest.max(axis=0))):
+        lit = np.flatnonzero(lines > _BLACK)
+        if len(lit) > len(lines) / 2 and lit[0] > 0 and lit[-1] < len(lines) - 1:
+            return f"black {sides}, {1 - len(lit) / len(lines):.0%} of the picture"
+    return ""
 
 
 def _right(look: Look, twins: Sequence[Twin]) -> Bools:

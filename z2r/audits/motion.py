@@ -209,7 +209,9 @@ def frames_come_evenly(runs: Runs) -> Iterator[Answer]:
     both = np.minimum(runs.steps[STATE].repeated[:, 0], runs.steps[ACTION].repeated[:, 0]) / runs.n_frames
     wrong = (both > _ALIKE_REPEATED) & (runs.n_frames >= MIN_FRAMES)
     if wrong.mean() > _MOST and _median(both) <= _REPEATED:
-        found = f"both the same as in the frame before in about {_median(both):.0%} of the frames, between others that move"
+        found = (
+            f"both the same as in the frame before in about {_median(both):.0%} of the frames, between others that move"
+        )
         mend = "Did frames come in bursts, and were they stored as if evenly spaced? Then the time of each is wrong"
         yield "note", _fault(runs, f"{STATE} and {ACTION}", wrong, found, "new values in every frame", mend)
 
@@ -379,7 +381,7 @@ def no_near_twins(runs: Runs) -> Iterator[Answer]:
 
 
 def _nearly_again(runs: Runs, marks: Floats, said: Bools, at_their_own_speed: bool) -> Iterator[Fault]:
-    """Find runs that go nearly as an earlier one does: frame for frame, or however long each is. Some have been said."""
+    """Find runs that go nearly as an earlier one does: frame for frame, or however long each is; some were said."""
     distance, neighbour = _nearest(marks)
     known = np.isfinite(distance)
     if known.sum() < 3:

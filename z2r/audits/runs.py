@@ -117,7 +117,7 @@ class Runs(NamedTuple):
         return span
 
     def moments_of(self, name: str) -> NDArray[np.float32]:
-        """What one feature is at some moments, and how it changes: (n_runs, n_moments, 2, size), no moment if unknown."""
+        """What a feature is at some moments, and how it changes: (n_runs, n_moments, 2, size); no moment if unknown."""
         features = self.claims.schema.signals()
         size = features[name].size if name in features else 0
         first = sum(features[each].size for each in takewhile(name.__ne__, features))

@@ -82,7 +82,8 @@ def accelerations_have_one_unit(runs: Runs) -> Iterator[Answer]:
                 number = runs.number[small].tolist()
                 place = f"{column_label(name, runs.claims.schema.features[name], column)} in {episodes_named(number)}"
                 found = f"{np.median(stats.mean[small, column]):.3g} on average"
-                expected = f"about {np.median(stats.mean[long & ~small, column]):.3g}, {_G:.3g} times as much, as in the others"
+                usual = np.median(stats.mean[long & ~small, column])
+                expected = f"about {usual:.3g}, {_G:.3g} times as much, as in the others"
                 mend = "Are these g and m/s2? Multiply or divide one of the two, and the other axes as well"
                 yield Fault(DATA_DIR, place, found, expected, mend, tuple(dict.fromkeys(number)))
 
