@@ -165,8 +165,8 @@ def _elsewhere(comes: Floats, whole: Floats) -> tuple[int, Ints]:
     `comes` are (n, size), of which each column goes through the `whole` (size,), and the first counts frames.
     """
     odd: list[tuple[float, int, Ints]] = []
-    for column, values in enumerate(comes.T):
-        few, gap, spread = parted(values)
+    for column in np.flatnonzero(whole > 0).tolist():
+        few, gap, spread = parted(comes[:, column])
         times = _BEYOND if len(few) == 1 else _SURELY
         if gap >= max(_SHARE * whole[column], times * spread, 0 if column else times):
             odd.append((gap / max(spread, _FINE * whole[column]), column, few))

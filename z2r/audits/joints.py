@@ -14,7 +14,7 @@ import numpy as np
 
 from z2r.arrays import Bools, Floats, Ints
 from z2r.audits.following import MIN_FRAMES, Following, Pair
-from z2r.audits.motion import LEAP
+from z2r.audits.motion import LEAP, NOISE_A_FRAME
 from z2r.audits.runs import Runs
 from z2r.audits.values import JUMP
 from z2r.check import Answer, Check
@@ -49,7 +49,7 @@ _SAME_UNIT = 4  # times, between the ranges of a command and of what it does not
 _FARTHER = (
     2.5  # times the largest step of a command, and of those before and after: measured, 2.3 where nothing is wrong
 )
-_SPIKE = 0.03  # of a joint's range
+_SPIKE, _NOISIER = 0.03, 8  # of a joint's range, and times its noise: measured, 4 where nothing is wrong
 _COMMANDS = 4  # times the largest step of a joint: measured, 3.2 where nothing is wrong
 
 
@@ -100,6 +100,7 @@ class Joints:
             seen=factor * of(seen, moved.stats, "step"),
             seen_spike=factor * of(seen, moved.stats, "spike"),
             around=factor * of(seen, moved.steps, "around"),
+            noise=factor * of(seen, moved.steps, "noise") / (NOISE_A_FRAME * moved.n_frames[:, None]),
             at=of(seen, moved.steps, "at"),
         )
 
@@ -154,7 +155,7 @@ class Steps(NamedTuple):
     """The largest steps of commands and of their columns, in the command's unit: [n_runs, n_pairs]; NaN where unknown.
 
     A spike is a step that the next one takes back; `around` are the steps before and after the largest one of a column,
-    and `at` is the frame of the run to which that leads.
+    `noise` is its standard deviation, and `at` is the frame of the run to which the largest step leads.
     """
 
     asked: Floats
@@ -162,6 +163,7 @@ class Steps(NamedTuple):
     seen: Floats
     seen_spike: Floats
     around: Floats
+    noise: Floats
     at: Floats
 
 
@@ -497,6 +499,7 @@ def no_single_reading_is_off(joints: Joints) -> Iterator[Answer]:
     """Is a reading or a command again and again far off for one frame, farther than the other of the two ever steps?"""
     steps, judged = joints.steps, joints.judged & ~joints.grips
     seen = judged & (steps.seen_spike > steps.asked) & (steps.seen_spike > _SPIKE * joints.ranges)
+    seen &= steps.seen_spike > _NOISIER * steps.noise
     asked = judged & (steps.asked_spike > _COMMANDS * steps.seen) & (steps.asked_spike > _SPIKE * joints.ranges)
     for pair in np.flatnonzero(seen.sum(axis=0) > 0.5 * judged.sum(axis=0)).tolist():
         yield _off_for_a_frame(joints, pair, joints.pairs[pair].name, seen, steps.seen_spike, steps.asked)
