@@ -25,15 +25,9 @@ from z2r.reading.reading import ColumnMeaning
 
 SILENT: dict[str, set[str]] = {
     "state-at-half-rate": {"place"},
-    "jitter": {"all"},
-    "whole-numbers": {"all", "one"},
     "grippers-exchanged": {"all"},
-    "horn-slipped": {"place"},
     "zero-action": {"place"},
-    "intermittent": {"all"},
-    "small-spikes": {"all", "place"},
-    "spike-action": {"all"},
-    "neighbour-read": {"all"},
+    "small-spikes": {"place"},
     "trembling": {"place"},
     "clipped-state": {"half"},
     "clipped-action": {"half"},
@@ -41,10 +35,8 @@ SILENT: dict[str, set[str]] = {
     "normalised-state": {"one"},
     "key-stuck": {"place"},
     "normalised-clipped": {"half"},
-    "copy-resampled": {"one"},
     "out-of-order": {"place"},
     "task-of-one": {"one"},
-    "splits-empty": {"all"},
     "done-never": {"half", "one"},  # as in an episode that was cut off
 }
 

@@ -36,28 +36,25 @@ def pictures_again(seen: Mapping[int, Glance], paths: Mapping[int, tuple[Ints, F
     dict of int to int
         Of each such episode the other one, by their rows: who is right, the pictures alone do not say.
     """
-    rows = [row for row in sorted(seen.keys() & paths.keys()) if _changes(seen[row])]
+    changes = {row: float(np.ptp(seen[row].cells, axis=0).max()) for row in sorted(seen.keys() & paths.keys())}
+    rows = [row for row in changes if changes[row] >= _CHANGES]
     if not rows:
         return {}
     spread = np.concatenate([paths[row][1] for row in rows]).std(axis=0, dtype=np.float64)  # (size,)
     found: dict[int, int] = {}
     for place, row in enumerate(rows):
         for other in islice(rows, place + 1, place + 1 + _OTHERS):
-            frames = _same_until(seen[row], seen[other])
+            frames = _frames_of_both(seen[row], seen[other], _SAME * min(changes[row], changes[other]))
             if len(frames) >= _COMMON and _apart(paths[row], paths[other], frames, spread) >= _ELSEWHERE:
                 found.setdefault(row, other)
                 found.setdefault(other, row)
     return found
 
 
-def _changes(glance: Glance) -> bool:
-    return bool(np.ptp(glance.cells, axis=0).max() >= _CHANGES * _SAME)
-
-
-def _same_until(one: Glance, other: Glance) -> Floats:
+def _frames_of_both(one: Glance, other: Glance, limit: float) -> Floats:
     """Return the frames of which both have a picture, if all of these show the same; else none."""
     frames, mine, its = np.intersect1d(one.frame.round(), other.frame.round(), return_indices=True)
-    same = np.abs(one.cells[mine] - other.cells[its]).max(initial=0) <= _SAME
+    same = np.abs(one.cells[mine] - other.cells[its]).max(initial=0) <= limit
     return frames if same else frames[:0]
 
 

@@ -34,6 +34,7 @@ _MIN_EPISODES = 8  # of which one comes elsewhere
 _BEYOND, _SURELY = 1.5, 5  # times as far as the others are from each other, of one alone, and of several
 _SHARE = 0.15  # of a column's range
 
+_CLEARLY = 2.5  # times as far as those that hold nothing
 _STANDS = 0.02  # of a gripper's range, in two frames
 _HELD_BACK, _NOT_HELD = 0.08, 0.2  # of it; and of how far it is held back in the others
 _HALF, _MOST = 0.5, 0.75  # of the episodes: at least so many hold something, and what is usual in them
@@ -124,8 +125,8 @@ def grippers_hold_something(runs: Runs) -> Iterator[Answer]:
         held = np.sort(np.where(stands, beside, 0), axis=1)[:, -_LATER].astype(np.float64)
         usual = float(np.quantile(held, _MOST))
         wrong: Bools = (held <= _NOT_HELD * usual) & (held > 0) & closes  # a command may be a copy of the state
-        holds = held >= max(_HELD_BACK * span, usual / 2)
-        if wrong.any() and (holds | wrong).all() and holds.mean() >= _HALF and share_a_task(runs, wrong):
+        holds = (held >= max(_HELD_BACK * span, usual / 2)).mean() >= _HALF
+        if wrong.any() and holds and held[~wrong].min() >= _CLEARLY * held[wrong].max() and share_a_task(runs, wrong):
             number = runs.number[wrong].tolist()
             place = f"{column_label(STATE, runs.claims.schema.features[STATE], column)} in {episodes_named(number)}"
             found = f"{held[wrong].max():.2g} beside its command at most, where it stands"

@@ -1,5 +1,6 @@
 """Does every column move as it does in the other episodes? No command is needed, and nothing is declared."""
 
+import warnings
 from collections.abc import Iterator
 from typing import Any
 
@@ -387,8 +388,12 @@ def _nearly_again(runs: Runs, marks: Floats, said: Bools, at_their_own_speed: bo
     if known.sum() < 3:
         return
     usual, n = float(np.quantile(distance[known], 0.75)), runs.n_frames
-    limit = (_NEAR / 2 if at_their_own_speed else _NEAR) * usual  # some of those of any speed are near by chance
-    near = known & (n >= MIN_FRAMES) & (distance < limit) & ((distance > 0) | (n != n[neighbour]))
+    near = (
+        known
+        & (n >= MIN_FRAMES)
+        & (distance < _NEAR * np.minimum(usual, _motion(marks)))
+        & ((distance > 0) | (n != n[neighbour]))
+    )
     both = {tuple(sorted((run, int(neighbour[run])))) for run in np.flatnonzero(near).tolist()}
     if pairs := sorted(pair for pair in both if not said[pair[1]]):
         one, other = pairs[0]
@@ -451,6 +456,15 @@ def _nearest(marks: Floats) -> tuple[Floats, Ints]:
     return distance, neighbour
 
 
+def _motion(marks: Floats) -> Floats:
+    """Return how far each demonstration goes, in spreads of its columns, as a root mean square."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # a mark beyond the end of all of them
+        spread, own = np.nanstd(marks, axis=(0, 1)), np.nanstd(marks, axis=1)
+    motion: Floats = np.sqrt(np.square(own[:, spread > 0] / spread[spread > 0]).mean(axis=1))
+    return motion
+
+
 def _leap_ratio(runs: Runs, name: str) -> Floats:
     """Say how many times larger than the others of its run, on average, the largest step is, (n_runs, size)."""
     largest = runs.stats[name].step
@@ -485,7 +499,7 @@ def _median(values: Floats) -> Floats:
 
 
 def parted(values: Floats) -> tuple[Ints, float, float]:
-    """Part values at the largest gap between them: which are fewer, how wide it is, and how far either others spread.
+    """Part values at the largest gap: which are the fewer, how wide it is, and how far the wider of the two spreads.
 
     Examples
     --------
