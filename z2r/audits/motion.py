@@ -41,6 +41,7 @@ _HOMES_APART = 6  # times as far as the episodes of one place are from each othe
 _ONE_APART = 1.2  # times as far, of one episode: of twelve that begin anywhere, one does so once in some hundred times
 _SHIFTED = 0.5  # of how far the episodes of one place are from each other
 _FAR_HOME = 0.08  # of a column's range
+_ALIKE_BY = 0.7  # of the one, by which two values are shifted
 _AWAY = 4  # steps: what gets there in fewer is a velocity, and may begin anywhere
 _FEW = 0.2  # of the episodes
 _LIMIT = 0.05  # of the way between two limits: calibration is off by as much
@@ -262,12 +263,15 @@ def episodes_begin_at_one_place(runs: Runs) -> Iterator[Answer]:
     first = _marks(runs, size)[:, 0]  # (n_runs, size)
     turns = [column for turn in quaternions(runs.claims.schema.features[STATE]) for column in turn]
     first[:, turns] = np.abs(first[:, turns])  # q and -q are one turn
+    moments = runs.moments_of(STATE).astype(np.float64)
+    last = moments[:, -1, 0] if moments.size else np.full_like(first, np.nan)
     ranges, step = runs.spans(STATE), np.quantile(runs.stats[STATE].step, 0.9, axis=0)
     for column in np.flatnonzero(_continuous(runs, STATE)).tolist():
         few, gap, spread = parted(first[:, column])
         least = max(_FAR_HOME * ranges[column], _AWAY * step[column])
         surely = gap >= max(_HOMES_APART * spread, least)
-        if not surely and (len(few) > 1 or gap < max(_ONE_APART * spread, least)):
+        settled = _ends_there_too(first[:, column], last[:, column], ranges[column])
+        if not (surely or settled) and (len(few) > 1 or gap < max(_ONE_APART * spread, least)):
             continue
         wrong = np.zeros(len(runs.number), dtype=bool)
         wrong[few] = True
@@ -280,6 +284,20 @@ def episodes_begin_at_one_place(runs: Runs) -> Iterator[Answer]:
             runs, place, wrong, f"a first frame at {here:.3g}", f"one at about {there:.3g}, as in the others", mend
         )
         yield fault if surely and len(few) <= _FEW * len(runs.number) else ("note", fault)
+
+
+def _ends_there_too(first: Floats, last: Floats, span: float) -> bool:
+    """Tell whether the same episodes begin and end apart from all others, (n,), on the same side: as a zero that moved.
+
+    That is rarer than to begin elsewhere, so that less of it says something.
+    """
+    (few, gap, spread), (others, its_gap, its_spread) = parted(first), parted(last)
+    apart = gap >= max(_ONE_APART * spread, _FAR_HOME * span) and its_gap >= max(its_spread, _FAR_HOME * span)
+    if not apart or not np.array_equal(np.sort(few), np.sort(others)):
+        return False
+    rest = np.setdiff1d(np.arange(len(first)), few)
+    by, its = (float(np.median(values[few]) - np.median(values[rest])) for values in (first, last))
+    return _ALIKE_BY < its / by < 1 / _ALIKE_BY
 
 
 @ELSEWHERE.of(Runs)
@@ -375,7 +393,7 @@ def no_near_twins(runs: Runs) -> Iterator[Answer]:
         yield Fault(DATA_DIR, f"episode {runs.number[run]}", found, "frames of its own", _COUNTS_TWICE, named)
     if STATE in runs.steps and 3 <= len(runs.number) <= MAX_COMPARED:
         marks = _marks(runs, runs.claims.schema.features[STATE].size)
-        for at_their_own_speed, each in ((False, marks), (True, runs.moments_of(STATE)[:, :, 0].astype(np.float64))):
+        for at_their_own_speed, each in ((False, marks), (True, runs.moments_of(STATE)[:, ::3, 0].astype(np.float64))):
             for fault in _nearly_again(runs, each, copied, at_their_own_speed):
                 copied = copied | np.isin(runs.number, fault.episodes)
                 yield fault
