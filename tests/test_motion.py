@@ -25,7 +25,6 @@ from z2r.reading.reading import ColumnMeaning
 
 SILENT: dict[str, set[str]] = {
     "state-at-half-rate": {"place"},
-    "grippers-exchanged": {"all"},
     "zero-action": {"place"},
     "small-spikes": {"place"},
     "trembling": {"place"},

@@ -8,6 +8,7 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import combinations
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -45,6 +46,7 @@ _COPIED = 0.1  # of the frames in which a command changes
 _STRAY = 8  # times as far beside its command as the others stray
 _BESIDE = 0.06  # of a joint's range
 _FAR_BESIDE = 0.09  # of a joint's range
+_CROSSWISE, _OWN = 0.8, 0.5  # explained by the other's column, at least, and by its own, at most
 _SAME_UNIT = 4  # times, between the ranges of a command and of what it does not even drive
 _FARTHER = (
     2.5  # times the largest step of a command, and of those before and after: measured, 2.3 where nothing is wrong
@@ -345,7 +347,10 @@ def no_joint_drifts_from_its_command(joints: Joints) -> Iterator[Answer]:
         yield "note", Fault(DATA_DIR, joints.pairs[pair].command, found, "the same in all episodes", mend)
 
 
-@Check("joint-order", "a command drives the joint of its own name", "warning").of(Joints)
+ORDER = Check("joint-order", "a command drives the joint of its own name", "warning")
+
+
+@ORDER.of(Joints)
 def commands_drive_their_own_joint(joints: Joints) -> Iterator[Answer]:
     """Does another joint follow a command than that of its name?"""
     runs = joints.runs
@@ -357,6 +362,36 @@ def commands_drive_their_own_joint(joints: Joints) -> Iterator[Answer]:
         return found, expected, "Are two joints, or two arms, exchanged in the state or in the action?"
 
     yield from _told(joints, joints.exchanged, said)
+
+
+@ORDER.of(Joints)
+def no_two_commands_are_always_exchanged(joints: Joints) -> Iterator[Answer]:
+    """Do two columns follow each other's commands in all episodes together, as grippers do that hold something?"""
+    explained = _explained_at_moments(joints)
+    own = np.diag(explained)
+    for one, other in combinations(range(len(own)), 2):
+        crosswise = min(explained[one, other], explained[other, one])
+        if crosswise < _CROSSWISE or own[[one, other]].max() > _OWN or joints.exchanged[:, [one, other]].any():
+            continue
+        found = f"what {joints.pairs[other].name} does ({explained[one, other]:.0%} explained), and the reverse"
+        expected = f"what {joints.pairs[one].name} does ({own[one]:.0%})"
+        mend = "Are the two exchanged in the state or in the action, in all episodes?"
+        yield Fault(DATA_DIR, joints.pairs[one].command, found, expected, mend)
+
+
+def _explained_at_moments(joints: Joints) -> Floats:
+    """Return how much of each command each column explains at some moments of all runs, as they are: (n, n)."""
+    at = {name: joints.moved.moments_of(name)[:, :, 0] for name in (ACTION, *(pair.feature for pair in joints.pairs))}
+    asked = [at[ACTION][:, :, pair.dim].ravel() for pair in joints.pairs]
+    both = np.stack([*asked, *(at[pair.feature][:, :, pair.column].ravel() for pair in joints.pairs)])
+    both = both[:, np.isfinite(both).all(axis=0)].astype(np.float64)
+    if not both.size:
+        return np.zeros((len(asked), len(asked)))
+    both -= both.mean(axis=1, keepdims=True)
+    sizes = np.square(both).sum(axis=1)
+    products = np.square(both @ both.T)
+    share: Floats = np.divide(products, np.outer(sizes, sizes), out=np.zeros_like(products), where=products > 0)
+    return share[: len(asked), len(asked) :]
 
 
 @UNIT.of(Joints)
