@@ -90,6 +90,7 @@ def test_a_label_that_comes_too_soon_is_named(episodes, without, tmp_path):
     assert ("next.success" if not without else "next.reward") in finding.field
     assert (finding.found, finding.expected[:8]) == ("what comes first 65 frames before the end", "it about")
     assert "5 frames before the end" in finding.expected
+    assert ("nobody knows which of them are right" in finding.mend) == (len(episodes) > 1)
 
 
 def test_a_success_elsewhere_is_named_by_where(tmp_path):

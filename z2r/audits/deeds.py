@@ -33,6 +33,7 @@ _SAMPLE = 64  # episodes of a task, by which it is known how near they come to e
 _MIN_EPISODES = 8  # of which one comes elsewhere
 _BEYOND, _SURELY = 1.5, 5  # times as far as the others are from each other, of one alone, and of several
 _SHARE = 0.15  # of a column's range
+_MANY = 0.3  # of the episodes: the others need not be the right ones
 
 _CLEARLY = 2.5  # times as far as those that hold nothing
 _STANDS = 0.02  # of a gripper's range, in two frames
@@ -157,6 +158,8 @@ def labels_come_where_they_do_elsewhere(runs: Runs) -> Iterator[Answer]:
         place = f"{label_of(runs.claims.schema)} in {episodes_named(number)}"
         expected = f"it about {where[1]}, as in the other episodes"
         mend = "Does the label come too early or too late there, or was something else done? Look at it"
+        if len(few) > _MANY * len(come):
+            mend += f". It is {len(few)} episodes against {len(come) - len(few)}: nobody knows which of them are right"
         yield Fault(DATA_DIR, place, f"what comes first {where[0]}", expected, mend, tuple(number))
 
 
