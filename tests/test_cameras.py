@@ -55,6 +55,7 @@ from filmed import (
 )
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from layouts import data_files
 from test_audit import said
 
 import z2r
@@ -886,6 +887,40 @@ def test_what_decoded_pictures_show_is_named(kind, root):
     assert re.search(f"{SIDE} {says}", str(finding)), said(audit)
     assert all(each.severity == "note" for each in of_cameras(audit) if each != finding), said(audit)
     assert "--pictures" not in str(finding) + "".join(audit.not_checked)
+
+
+def test_two_episodes_with_the_same_pictures_are_named_if_their_robots_go_two_ways(root):
+    shoot(root, SIDE, only(exchanged, 0))  # which shows episode 4
+    [twin] = [each for each in of_cameras(z2r.audit(root, pictures=True)) if each.check == "camera-twin"]
+    assert (twin.severity, twin.episodes) == ("warning", (0, 4))
+    assert f"{SIDE} in episode 0: found the same pictures, although the robot is elsewhere, as episode 4" in str(twin)
+
+
+def test_nothing_is_said_of_two_episodes_in_which_the_robot_does_the_same(root):
+    [path] = data_files(root)
+    table = pq.read_table(path)
+    episode = np.array(table["episode_index"])
+    states = np.array(table["observation.state"].to_pylist(), dtype=np.float32)
+    states[episode == 0] = states[episode == 4] + np.float32(1e-3)
+    values = pa.FixedSizeListArray.from_arrays(pa.array(states.ravel()), states.shape[1])
+    place = table.column_names.index("observation.state")
+    pq.write_table(table.set_column(place, "observation.state", values.cast(table.schema.field(place).type)), path)
+    shoot(root, SIDE, only(exchanged, 0))
+    assert not [each for each in of_cameras(z2r.audit(root, pictures=True)) if each.check == "camera-twin"]
+
+
+@pytest.mark.parametrize(("turn", "says"), [(False, "above and below"), (True, "left and right")])
+def test_pictures_with_bars_are_a_note(turn, says, root):
+    def boxed(picture: np.ndarray) -> np.ndarray:
+        picture = picture.copy()
+        lines = picture.swapaxes(0, 1) if turn else picture
+        lines[: len(lines) // 5] = lines[-(len(lines) // 5) :] = 0
+        return picture
+
+    shoot(root, SIDE, changed(boxed))
+    [finding] = [each for each in of_cameras(z2r.audit(root, pictures=True)) if each.check == "camera-flat"]
+    assert (finding.severity, finding.episodes) == ("note", ())
+    assert f"{SIDE}: found black {says}" in str(finding)
 
 
 def test_two_cameras_that_are_exchanged_in_an_episode_are_named(root):

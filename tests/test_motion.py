@@ -25,15 +25,8 @@ from z2r.reading.reading import ColumnMeaning
 
 SILENT: dict[str, set[str]] = {
     "state-at-half-rate": {"place"},
-    "jitter": {"all"},
-    "whole-numbers": {"all", "one"},
-    "grippers-exchanged": {"all"},
-    "horn-slipped": {"place"},
     "zero-action": {"place"},
-    "intermittent": {"all"},
-    "small-spikes": {"all", "place"},
-    "spike-action": {"all"},
-    "neighbour-read": {"all"},
+    "small-spikes": {"place"},
     "trembling": {"place"},
     "clipped-state": {"half"},
     "clipped-action": {"half"},
@@ -41,10 +34,8 @@ SILENT: dict[str, set[str]] = {
     "normalised-state": {"one"},
     "key-stuck": {"place"},
     "normalised-clipped": {"half"},
-    "copy-resampled": {"one"},
     "out-of-order": {"place"},
     "task-of-one": {"one"},
-    "splits-empty": {"all"},
     "done-never": {"half", "one"},  # as in an episode that was cut off
 }
 
@@ -114,6 +105,19 @@ def test_a_column_that_lies_higher_as_a_whole_is_a_note(tmp_path):
     [finding] = [each for each in said if "a first, a lowest and a highest value that are all higher" in each.found]
     assert f"{STATE}[{POS[5]}] in episode 3" in finding.field
     assert (finding.severity, finding.episodes) == ("note", (3,))
+
+
+@pytest.mark.parametrize(("stays", "named"), [(1.0, {"note"}), (0.0, set())])
+def test_a_zero_that_moved_is_named_where_episodes_begin_and_end_by_it(stays, named, tmp_path):
+    recording, rng = make("so101", 0), np.random.default_rng(3)
+    moved = (1, 4, 7, 9, 10)
+    for number, own in enumerate(recording.episodes):
+        fades = np.linspace(1, stays, len(own[STATE]))
+        for name in (STATE, ACTION):
+            own[name][:, 0] += rng.uniform(-3, 3) + 15 * fades * (number in moved)
+    said = [each for each in found(recording, tmp_path / "dataset", "elsewhere") if "a first frame at" in each.found]
+    assert {each.severity for each in said} == named
+    assert all((each.episodes, POS[0] in each.field) == (moved, True) for each in said)
 
 
 def test_joints_whose_command_is_their_state_while_others_follow_are_named(tmp_path):

@@ -159,10 +159,11 @@ def test_every_episode_is_in_one_split_or_named(stated):
     times = [sum(start <= episode < stop for start, stop in right) for episode in range(6)]
     shared, nowhere = (tuple(np.flatnonzero(which).tolist()) for which in (np.array(times) > 1, np.array(times) == 0))
     expected = {("error", ())} if len(right) < len(stated) else {("note", nowhere)} if nowhere else set()
-    assert told == expected | ({("warning", shared)} if shared else set())
+    empty = {("note", ())} if any(start == stop for start, stop in right) else set()
+    assert told == expected | empty | ({("warning", shared)} if shared else set())
 
 
-@pytest.mark.parametrize("stated", [{}, ..., {"train": "0:6"}, {"train": "0:4", "val": "4:6", "test": "6:6"}])
+@pytest.mark.parametrize("stated", [{}, ..., {"train": "0:6"}, {"train": "0:4", "val": "4:6"}])
 def test_splits_that_part_the_episodes_are_no_fault(stated, standin_copy):
     edit_info(standin_copy, splits=stated)
     assert not wrong_in(z2r.audit(standin_copy))

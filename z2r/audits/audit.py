@@ -20,6 +20,7 @@ from msgspec.structs import replace
 from z2r.arrays import Floats, Ints, Pile, Progress, join_all, no_progress
 from z2r.audits import (
     cameras,
+    deeds,
     index,
     joints,
     labels,
@@ -35,6 +36,7 @@ from z2r.audits import (
     values,
 )
 from z2r.audits.claims import Claims, NoSchema, Stored, claims_under, read_claims
+from z2r.audits.deeds import fold_comes
 from z2r.audits.findings import AUDIT, Finding, Said, answers, ask, failed, together
 from z2r.audits.following import MIN_FRAMES, Pair, Usual, fold_following, pairs_of
 from z2r.audits.footage import FileImages, Footage, read_file_images, read_footage, sum_images, sum_places
@@ -79,6 +81,7 @@ PARTS = parts_in(
     stats,
     quantiles,
     labels,
+    deeds,
     readiness,
     cameras,
     pictures,
@@ -463,6 +466,7 @@ def _fold_block(
             images=sum_images(images),
             places=sum_places(frames) if pictures else None,
             moments=keep_moments(schema, signals, starts, n_moments) if n_moments and signals else None,
+            comes=fold_comes(frames),
         )
         return _Block(kept, said, last.n_runs + len(starts), index.known_after(frames), usual, reach, last_seen)
     except Exception as error:
@@ -504,7 +508,7 @@ def _ask_of_all(
         if len(following) == len(runs.read):
             pairs = pairs_of(claims.schema, claims.reading)
             ranges = runs.spans(ACTION)[[pair.dim for pair in pairs]]
-            joints_of_all = Joints(pairs, runs.number, join_all(following), ranges)
+            joints_of_all = Joints(pairs, runs.number, join_all(following), ranges, runs)
             yield from ask(asked_of(Joints, PARTS), joints_of_all)
     if scene and claims.reading and _has_scene(sums):
         folded = [(file.path, each) for file, part in zip(files, sums, strict=True) for each in part.scene or ()]

@@ -225,7 +225,7 @@ def _format_faults(frames: FileFrames, name: str, kind: Format | None, row: int)
         yield Fault(frames.path, place, f"a picture of {kind.channels} channels", expected)
 
 
-CAMERA_TWIN = Check("camera-twin", "no two cameras, and no two videos, show the same", "warning")
+CAMERA_TWIN = Check("camera-twin", "no two cameras, no two videos and no two episodes show the same", "warning")
 
 
 @CAMERA_TWIN.of(Footage)

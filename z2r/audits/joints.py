@@ -5,15 +5,19 @@ do it, or where one joint differs from all other joints.
 """
 
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from itertools import combinations
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from z2r.arrays import Bools, Floats, Ints
 from z2r.audits.following import MIN_FRAMES, Following, Pair
+from z2r.audits.motion import LEAP, NOISE_A_FRAME
+from z2r.audits.runs import Runs
+from z2r.audits.values import JUMP
 from z2r.check import Answer, Check
 from z2r.errors import Fault, count, some
 from z2r.format.episodes import DATA_DIR
@@ -42,6 +46,13 @@ _COPIED = 0.1  # of the frames in which a command changes
 _STRAY = 8  # times as far beside its command as the others stray
 _BESIDE = 0.06  # of a joint's range
 _FAR_BESIDE = 0.09  # of a joint's range
+_CROSSWISE, _OWN = 0.8, 0.5  # explained by the other's column, at least, and by its own, at most
+_SAME_UNIT = 4  # times, between the ranges of a command and of what it does not even drive
+_FARTHER = (
+    2.5  # times the largest step of a command, and of those before and after: measured, 2.3 where nothing is wrong
+)
+_SPIKE, _NOISIER = 0.03, 8  # of a joint's range, and times its noise: measured, 4 where nothing is wrong
+_COMMANDS = 4  # times the largest step of a joint: measured, 3.2 where nothing is wrong
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,12 +69,42 @@ class Joints:
         A row for each run, a column for each pair.
     ranges : ndarray, float64[n_pairs]
         From the smallest to the largest command of all runs.
+    moved : Runs
+        How every feature moves in the same runs.
     """
 
     pairs: tuple[Pair, ...]
     number: Ints
     runs: Following
     ranges: Floats
+    moved: Runs
+
+    @cached_property
+    def steps(self) -> "Steps":
+        """How far commands and columns go from one frame to the next."""
+        moved = self.moved
+        seen = [(pair.feature, pair.column) for pair in self.pairs]
+        asked = [(ACTION, pair.dim) for pair in self.pairs]
+        spans = np.array([moved.spans(name)[column] for name, column in seen])
+        alike = (spans < _SAME_UNIT * self.ranges) & (self.ranges < _SAME_UNIT * spans)
+        factor = np.where(self.followed & (self.usual["kind"] == 0), np.abs(self.usual["factor"]), np.nan)
+        factor[~self.followed & alike] = 1  # where the column does not follow, it has at least about the same range
+
+        def of(places: Sequence[tuple[str, int]], parts: Mapping[str, Any], what: str) -> Floats:
+            unknown = np.full(len(self.number), np.nan)
+            return np.stack(
+                [getattr(parts[name], what)[:, column] if name in parts else unknown for name, column in places], axis=1
+            )
+
+        return Steps(
+            asked=of(asked, moved.stats, "step"),
+            asked_spike=of(asked, moved.stats, "spike"),
+            seen=factor * of(seen, moved.stats, "step"),
+            seen_spike=factor * of(seen, moved.stats, "spike"),
+            around=factor * of(seen, moved.steps, "around"),
+            noise=factor * of(seen, moved.steps, "noise") / (NOISE_A_FRAME * moved.n_frames[:, None]),
+            at=of(seen, moved.steps, "at"),
+        )
 
     @cached_property
     def grips(self) -> Bools:
@@ -110,6 +151,22 @@ class Joints:
         """What is usual where a column follows, each float64[n_pairs]; NaN where it does not."""
         names = ("kind", "lag", "least", "most", "explained", "factor")
         return {name: _median(getattr(self.runs, name), self.follows) for name in names}
+
+
+class Steps(NamedTuple):
+    """The largest steps of commands and of their columns, in the command's unit: [n_runs, n_pairs]; NaN where unknown.
+
+    A spike is a step that the next one takes back; `around` are the steps before and after the largest one of a column,
+    `noise` is its standard deviation, and `at` is the frame of the run to which the largest step leads.
+    """
+
+    asked: Floats
+    asked_spike: Floats
+    seen: Floats
+    seen_spike: Floats
+    around: Floats
+    noise: Floats
+    at: Floats
 
 
 LATE = Check("late", "what a command brings about comes after it, and as many frames later in every episode", "warning")
@@ -290,7 +347,10 @@ def no_joint_drifts_from_its_command(joints: Joints) -> Iterator[Answer]:
         yield "note", Fault(DATA_DIR, joints.pairs[pair].command, found, "the same in all episodes", mend)
 
 
-@Check("joint-order", "a command drives the joint of its own name", "warning").of(Joints)
+ORDER = Check("joint-order", "a command drives the joint of its own name", "warning")
+
+
+@ORDER.of(Joints)
 def commands_drive_their_own_joint(joints: Joints) -> Iterator[Answer]:
     """Does another joint follow a command than that of its name?"""
     runs = joints.runs
@@ -302,6 +362,36 @@ def commands_drive_their_own_joint(joints: Joints) -> Iterator[Answer]:
         return found, expected, "Are two joints, or two arms, exchanged in the state or in the action?"
 
     yield from _told(joints, joints.exchanged, said)
+
+
+@ORDER.of(Joints)
+def no_two_commands_are_always_exchanged(joints: Joints) -> Iterator[Answer]:
+    """Do two columns follow each other's commands in all episodes together, as grippers do that hold something?"""
+    explained = _explained_at_moments(joints)
+    own = np.diag(explained)
+    for one, other in combinations(range(len(own)), 2):
+        crosswise = min(explained[one, other], explained[other, one])
+        if crosswise < _CROSSWISE or own[[one, other]].max() > _OWN or joints.exchanged[:, [one, other]].any():
+            continue
+        found = f"what {joints.pairs[other].name} does ({explained[one, other]:.0%} explained), and the reverse"
+        expected = f"what {joints.pairs[one].name} does ({own[one]:.0%})"
+        mend = "Are the two exchanged in the state or in the action, in all episodes?"
+        yield Fault(DATA_DIR, joints.pairs[one].command, found, expected, mend)
+
+
+def _explained_at_moments(joints: Joints) -> Floats:
+    """Return how much of each command each column explains at some moments of all runs, as they are: (n, n)."""
+    at = {name: joints.moved.moments_of(name)[:, :, 0] for name in (ACTION, *(pair.feature for pair in joints.pairs))}
+    asked = [at[ACTION][:, :, pair.dim].ravel() for pair in joints.pairs]
+    both = np.stack([*asked, *(at[pair.feature][:, :, pair.column].ravel() for pair in joints.pairs)])
+    both = both[:, np.isfinite(both).all(axis=0)].astype(np.float64)
+    if not both.size:
+        return np.zeros((len(asked), len(asked)))
+    both -= both.mean(axis=1, keepdims=True)
+    sizes = np.square(both).sum(axis=1)
+    products = np.square(both @ both.T)
+    share: Floats = np.divide(products, np.outer(sizes, sizes), out=np.zeros_like(products), where=products > 0)
+    return share[: len(asked), len(asked) :]
 
 
 @UNIT.of(Joints)
@@ -420,6 +510,48 @@ def _partly_copied(joints: Joints) -> Iterator[Fault]:
         found = f"the state of the same frame in {some(names)}, bit for bit"
         mend = "Was no command recorded there? A policy learns to stay where it is"
         yield _in_episodes(ACTION, joints.number[partly], found, "commands, as of the other joints", mend)
+
+
+@LEAP.of(Joints)
+def no_joint_leaps_farther_than_it_is_told(joints: Joints) -> Iterator[Answer]:
+    """Does a joint leap, all at once, far beyond the largest step of its command? A grip may let go like this."""
+    steps = joints.steps
+    wrong = joints.judged & ~joints.grips & (steps.seen > _FARTHER * steps.asked)
+    wrong &= (steps.seen > _FARTHER * steps.around) & (steps.seen > _LITTLE * joints.ranges)
+    wrong &= steps.seen_spike < steps.seen / 2
+    for pair in np.flatnonzero(wrong.any(axis=0)).tolist():
+        run = int(np.where(wrong[:, pair], steps.seen[:, pair], 0).argmax())
+        found = (
+            f"a leap of {steps.seen[run, pair]:.3g} in frame {steps.at[run, pair]:.0f} of episode {joints.number[run]}"
+        )
+        expected = f"steps like those of its command, of {steps.asked[run, pair]:.3g} at most"
+        mend = "Did a horn or a belt slip, was a reading lost, or did something give way? Look at it"
+        yield "note", _in_episodes(joints.pairs[pair].name, joints.number[wrong[:, pair]], found, expected, mend)
+
+
+@JUMP.of(Joints)
+def no_single_reading_is_off(joints: Joints) -> Iterator[Answer]:
+    """Is a reading or a command again and again far off for one frame, farther than the other of the two ever steps?"""
+    steps, judged = joints.steps, joints.judged & ~joints.grips
+    seen = judged & (steps.seen_spike > steps.asked) & (steps.seen_spike > _SPIKE * joints.ranges)
+    seen &= steps.seen_spike > _NOISIER * steps.noise
+    asked = judged & (steps.asked_spike > _COMMANDS * steps.seen) & (steps.asked_spike > _SPIKE * joints.ranges)
+    for pair in np.flatnonzero(seen.sum(axis=0) > 0.5 * judged.sum(axis=0)).tolist():
+        yield _off_for_a_frame(joints, pair, joints.pairs[pair].name, seen, steps.seen_spike, steps.asked)
+    for pair in np.flatnonzero(asked.any(axis=0)).tolist():
+        fault = _off_for_a_frame(joints, pair, joints.pairs[pair].command, asked, steps.asked_spike, steps.seen)
+        yield "note", fault  # a policy may well say what no robot can do
+
+
+def _off_for_a_frame(joints: Joints, pair: int, name: str, wrong: Bools, spike: Floats, other: Floats) -> Fault:
+    run = int(np.where(wrong[:, pair], spike[:, pair], 0).argmax())
+    found = (
+        f"a leap of {spike[run, pair]:.3g} away and back, in episode {joints.number[run]} from one frame to the next"
+    )
+    both = joints.pairs[pair].name, joints.pairs[pair].command
+    expected = f"steps like those of {both[name == both[0]]}, of {other[run, pair]:.3g} at most"
+    mend = "Was a sample read or sent wrong? Smooth it, or leave these episodes out"
+    return _in_episodes(name, joints.number[wrong[:, pair]], found, expected, mend)
 
 
 def _beside(joints: Joints) -> tuple[Bools, Floats]:

@@ -6,9 +6,11 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from z2r.arrays import Bools, Floats, Ints
 from z2r.audits.claims import Claims
+from z2r.audits.copies import pictures_again
 from z2r.audits.footage import Footage, ImageSums, VideoSums, place_frames
 from z2r.audits.glances import Filmed, Glance, Glances
 from z2r.audits.runs import Runs
@@ -34,7 +36,7 @@ _LITTLE = 0.25  # of what a change usually takes
 _ONE_COLOUR = 3  # of standard deviation, at most
 _NOISE = 8  # what a cell changes by when the same picture is encoded again: measured, 7 and at times 24 at most
 _SAME_VIEW, _SAME_CELL = 1.5, 16  # what cells differ by, and one of them, when the same picture is encoded twice
-_DARK = 24
+_DARK, _BLACK = 24, 4
 _NO_SIGNAL = 1.2  # of grain: white noise has 1.41, and one pixel of a picture of something is much like the next
 
 _HARDLY = 0.25  # of a large change while the robot moves
@@ -51,6 +53,7 @@ _BLURRED = 0.6  # of the sharpness that an episode has most of the time
 _MORE_THAN_NOISE = 1.5  # of 255
 _BACK = 0.95  # of the farther one of two steps, the way of both
 _TINY = 1e-9  # of it
+_AGAIN = "the same pictures, although the robot is elsewhere, as episode"
 
 
 class _Path(NamedTuple):
@@ -80,11 +83,11 @@ class Look(NamedTuple):
         Which feature it is, and where they are stored.
     number : ndarray, int64[n_episodes]
         What the dataset calls the episodes.
-    flat, still, blank, dark, hung, slow, flicker, broken, leap, swing, focus, disorder, astray : Suspects
+    flat, still, blank, dark, hung, slow, flicker, broken, leap, swing, focus, disorder, again, astray : Suspects
         Where they are of one colour, or noise; stay the same although the robot moves; some of them are of one colour,
         or noise; some of them are black; stay the same for a while; do so again and again; differ from one to the next;
         do so at times; are others from some frame on; get brighter and darker all the time; are blurred at times; are
-        not in their order; do not go with the robot.
+        not in their order; are those of another episode; do not go with the robot.
     mend : str
         How to be surer; empty where it is sure.
     fits : float
@@ -95,6 +98,8 @@ class Look(NamedTuple):
         Red, green and blue on average over all that was seen, from 0 to 1.
     unlike : sequence of Unlike
         Which episodes look otherwise than the others; nobody knows where no picture is decoded.
+    bars : str
+        Where all pictures are black from edge to edge; empty where they are not on both sides.
     """
 
     camera: str
@@ -113,11 +118,13 @@ class Look(NamedTuple):
     swing: Suspects = _NOBODY
     focus: Suspects = _NOBODY
     disorder: Suspects = _NOBODY
+    again: Suspects = _NOBODY
     astray: Suspects = _NOBODY
     fits: float = np.nan
     late: float = 0.0
     colour: Floats = np.full(3, np.nan)
     unlike: Sequence[Unlike] = ()
+    bars: str = ""
 
 
 class Twin(NamedTuple):
@@ -252,10 +259,12 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths:
             slow[row] = repeats and not still[row]
             other = still[row] or slow[row] or flicker[row] or broken[row] or swing[row]
             disorder[row] = not other and _is_out_of_order(glance)
+    copies = pictures_again(seen, {row: (path.frames, path.places) for row, path in paths.items()})
     return Look(
         camera=camera,
         place=_place(runs.claims, camera),
         number=number,
+        again=Suspects(np.isin(np.arange(len(number)), list(copies)), lambda row: f"{_AGAIN} {number[copies[row]]}"),
         flat=Suspects(flat, lambda row: _nothing(seen[row])),
         blank=Suspects(blank, lambda row: _blanks(seen[row])),
         dark=Suspects(dark, lambda row: _blanks(seen[row])),
@@ -274,8 +283,21 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths:
         disorder=Suspects(disorder, lambda row: _said_of_disorder(seen[row])),
         slow=Suspects(slow, lambda row: f"the picture of before again for {again[row]:.0%} of the robot's way"),
         mend="",
+        bars=_bars([glance.view for glance in seen.values()]),
         colour=np.mean([glance.colour for glance in seen.values()] or [np.full(3, np.nan)], axis=0),
     )
+
+
+def _bars(views: Sequence[NDArray[np.uint8]]) -> str:
+    """Say where all views (12, 16, 3) of a camera are black, if on two sides and less than half: it was made to fit."""
+    if len(views) < _MIN_EPISODES:
+        return ""
+    brightest = np.max(views, axis=(0, 3))  # (12, 16)
+    for sides, lines in (("above and below", brightest.max(axis=1)), ("left and right", brightest.max(axis=0))):
+        lit = np.flatnonzero(lines > _BLACK)
+        if len(lit) > len(lines) / 2 and lit[0] > 0 and lit[-1] < len(lines) - 1:
+            return f"black {sides}, {1 - len(lit) / len(lines):.0%} of the picture"
+    return ""
 
 
 def _right(look: Look, twins: Sequence[Twin]) -> Bools:

@@ -1,5 +1,6 @@
 """Does every column move as it does in the other episodes? No command is needed, and nothing is declared."""
 
+import warnings
 from collections.abc import Iterator
 from typing import Any
 
@@ -27,17 +28,20 @@ _MOST = 0.8  # of the episodes
 _END = 3  # frames
 _STALL = 6  # times the steps thereafter
 _NOISE = 3  # times the usual standard deviation
-_NOISE_A_FRAME = 3.57  # what third differences of white noise come to, on average: sqrt(20 * 2 / pi)
+NOISE_A_FRAME = 3.57  # what third differences of white noise come to, on average: sqrt(20 * 2 / pi)
 _MOVES = 0.3  # of the usual way
 _ROUGH = 3  # times as rough as usual for its speed
 _REPEATED = 0.25  # of the frames: half of them, where a sensor is read at half the rate
 _SOME_REPEATED, _FEW_REPEATED = 0.04, 0.01  # of the frames, where the other episodes have few
+_ALIKE_REPEATED = 0.08  # of the frames, of the state and of the action
+_STEPS, _TICKS = 3, 1000  # through which a column goes
 _IDLE = 0.05  # of the usual motion
 _HOMES = 8  # episodes, from which one can be told to begin elsewhere
 _HOMES_APART = 6  # times as far as the episodes of one place are from each other
 _ONE_APART = 1.2  # times as far, of one episode: of twelve that begin anywhere, one does so once in some hundred times
 _SHIFTED = 0.5  # of how far the episodes of one place are from each other
 _FAR_HOME = 0.08  # of a column's range
+_ALIKE_BY = 0.7  # of the one, by which two values are shifted
 _AWAY = 4  # steps: what gets there in fewer is a velocity, and may begin anywhere
 _FEW = 0.2  # of the episodes
 _LIMIT = 0.05  # of the way between two limits: calibration is off by as much
@@ -157,7 +161,7 @@ def no_episode_is_noisier(runs: Runs) -> Iterator[Answer]:
     """Is a column much noisier in some episodes?"""
     long = (runs.n_frames >= MIN_FRAMES)[:, None]
     for name, steps in runs.steps.items() if long.any() else ():
-        size = steps.noise / (_NOISE_A_FRAME * runs.n_frames[:, None])
+        size = steps.noise / (NOISE_A_FRAME * runs.n_frames[:, None])
         moves = long & (steps.path > _MOVES * _median(steps.path))  # at rest, a sensor is quieter than in motion
         usual = _quarter_of(size, moves)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -177,7 +181,10 @@ def no_episode_is_noisier(runs: Runs) -> Iterator[Answer]:
             yield ("note", fault) if name == ACTION else fault  # another hand may well tremble more
 
 
-@Check("repeat", "every frame is a new measurement", "warning").of(Runs)
+REPEAT = Check("repeat", "every frame is a new measurement", "warning")
+
+
+@REPEAT.of(Runs)
 def frames_are_no_repeats(runs: Runs) -> Iterator[Answer]:
     """Does every other frame repeat the one before, although the robot moves?"""
     for name, steps in runs.steps.items():
@@ -194,6 +201,39 @@ def frames_are_no_repeats(runs: Runs) -> Iterator[Answer]:
             mend = "Was it read more seldom than it was recorded? Then changes from frame to frame mean nothing"
             fault = _fault(runs, f"{name}{where}", wrong, found, "a new value in every frame while it moves", mend)
             yield ("note", fault) if everywhere else fault
+
+
+@REPEAT.of(Runs)
+def frames_come_evenly(runs: Runs) -> Iterator[Answer]:
+    """Are many frames of state and action alike the same as the one before, in nearly all episodes?"""
+    if STATE not in runs.steps or ACTION not in runs.steps:
+        return
+    both = np.minimum(runs.steps[STATE].repeated[:, 0], runs.steps[ACTION].repeated[:, 0]) / runs.n_frames
+    wrong = (both > _ALIKE_REPEATED) & (runs.n_frames >= MIN_FRAMES)
+    if wrong.mean() > _MOST and _median(both) <= _REPEATED:
+        found = (
+            f"both the same as in the frame before in about {_median(both):.0%} of the frames, between others that move"
+        )
+        mend = "Did frames come in bursts, and were they stored as if evenly spaced? Then the time of each is wrong"
+        yield "note", _fault(runs, f"{STATE} and {ACTION}", wrong, found, "new values in every frame", mend)
+
+
+@Check("resolution", "what moves is stored more finely than in whole numbers", "note").of(Runs)
+def nothing_is_rounded_to_whole_numbers(runs: Runs) -> Iterator[Answer]:
+    """Is all of a state or an action whole numbers, as if of a type that has no others? In some episodes, or in all."""
+    for name in (each for each in (STATE, ACTION) if each in runs.steps):
+        span, feature = runs.spans(name), runs.claims.schema.features[name]
+        moves = (span > _STEPS) & (span < _TICKS)  # fewer are switches, and more are what an encoder counts
+        values = runs.moments_of(name)[:, :, 0, moves]
+        if moves.sum() < 2 or not values.size or not feature.dtype.startswith("float"):
+            continue
+        wrong: Bools = (values == np.round(values)).all(axis=(1, 2))
+        if wrong.any() and not (wrong.all() and name == ACTION):  # keys, or a policy, may well give such commands
+            where = "" if wrong.all() else f" in {_named(runs, wrong)}"
+            found = f"whole numbers only in {count(int(moves.sum()), 'column')}, at all moments that were looked at"
+            expected = "numbers as fine as the sensors are" if wrong.all() else "finer ones, as in the other episodes"
+            mend = "Was it cast to integers on the way? Small motion is lost"
+            yield _fault(runs, f"{name}{where}", wrong, found, expected, mend)
 
 
 @Check("idle-episode", "something happens in every episode", "warning").of(Runs)
@@ -223,21 +263,19 @@ def episodes_begin_at_one_place(runs: Runs) -> Iterator[Answer]:
     first = _marks(runs, size)[:, 0]  # (n_runs, size)
     turns = [column for turn in quaternions(runs.claims.schema.features[STATE]) for column in turn]
     first[:, turns] = np.abs(first[:, turns])  # q and -q are one turn
+    moments = runs.moments_of(STATE).astype(np.float64)
+    last = moments[:, -1, 0] if moments.size else np.full_like(first, np.nan)
     ranges, step = runs.spans(STATE), np.quantile(runs.stats[STATE].step, 0.9, axis=0)
     for column in np.flatnonzero(_continuous(runs, STATE)).tolist():
-        order = np.argsort(first[:, column], kind="stable")
-        gaps = np.diff(first[order, column])
-        cut = int(gaps.argmax()) + 1
-        groups = (order[:cut], order[cut:])
-        few = min(groups, key=len)
-        spread = max(float(np.ptp(first[group, column])) for group in groups)
-        gap, least = gaps[cut - 1], max(_FAR_HOME * ranges[column], _AWAY * step[column])
+        few, gap, spread = parted(first[:, column])
+        least = max(_FAR_HOME * ranges[column], _AWAY * step[column])
         surely = gap >= max(_HOMES_APART * spread, least)
-        if not surely and (len(few) > 1 or gap < max(_ONE_APART * spread, least)):
+        settled = _ends_there_too(first[:, column], last[:, column], ranges[column])
+        if not (surely or settled) and (len(few) > 1 or gap < max(_ONE_APART * spread, least)):
             continue
         wrong = np.zeros(len(runs.number), dtype=bool)
         wrong[few] = True
-        if not _share_a_task(runs, wrong):
+        if not share_a_task(runs, wrong):
             continue  # one task may begin where another does not
         here, there = float(np.median(first[wrong, column])), float(np.median(first[~wrong, column]))
         mend = "Was it calibrated anew, is a sign, a unit or an order another one, or does an episode begin too late?"
@@ -246,6 +284,20 @@ def episodes_begin_at_one_place(runs: Runs) -> Iterator[Answer]:
             runs, place, wrong, f"a first frame at {here:.3g}", f"one at about {there:.3g}, as in the others", mend
         )
         yield fault if surely and len(few) <= _FEW * len(runs.number) else ("note", fault)
+
+
+def _ends_there_too(first: Floats, last: Floats, span: float) -> bool:
+    """Tell whether the same episodes begin and end apart from all others, (n,), on the same side: as a zero that moved.
+
+    That is rarer than to begin elsewhere, so that less of it says something.
+    """
+    (few, gap, spread), (others, its_gap, its_spread) = parted(first), parted(last)
+    apart = gap >= max(_ONE_APART * spread, _FAR_HOME * span) and its_gap >= max(its_spread, _FAR_HOME * span)
+    if not apart or not np.array_equal(np.sort(few), np.sort(others)):
+        return False
+    rest = np.setdiff1d(np.arange(len(first)), few)
+    by, its = (float(np.median(values[few]) - np.median(values[rest])) for values in (first, last))
+    return _ALIKE_BY < its / by < 1 / _ALIKE_BY
 
 
 @ELSEWHERE.of(Runs)
@@ -266,7 +318,7 @@ def episodes_are_not_shifted(runs: Runs) -> Iterator[Answer]:
         by = float(np.median(seen[1, wrong]) - np.median(seen[1, ~wrong]))
         goes = np.median(stats.high[:, column] - stats.low[:, column])  # where it hardly does, each rests at its own
         apart = (gap >= np.maximum(_SHIFTED * spread, _SHARE * ranges[column])).all()
-        if apart and goes >= abs(by) and _share_a_task(runs, wrong):
+        if apart and goes >= abs(by) and share_a_task(runs, wrong):
             found = f"a first, a lowest and a highest value that are all {'higher' if by > 0 else 'lower'}, by {by:.3g}"
             mend = "Was it calibrated anew, or is another tool or another zero set there?"
             place = f"{_dim(runs, STATE, column)} in {_named(runs, wrong)}"
@@ -339,23 +391,32 @@ def no_near_twins(runs: Runs) -> Iterator[Answer]:
         found = f"about {shared[run]:.0%} of the frames of episode {runs.number[first[run]]} as well{and_more(copied)}"
         named = episodes_of(runs.number, copied)
         yield Fault(DATA_DIR, f"episode {runs.number[run]}", found, "frames of its own", _COUNTS_TWICE, named)
-    yield from _nearly_again(runs, ~copied)
+    if STATE in runs.steps and 3 <= len(runs.number) <= MAX_COMPARED:
+        marks = _marks(runs, runs.claims.schema.features[STATE].size)
+        for at_their_own_speed, each in ((False, marks), (True, runs.moments_of(STATE)[:, ::3, 0].astype(np.float64))):
+            for fault in _nearly_again(runs, each, copied, at_their_own_speed):
+                copied = copied | np.isin(runs.number, fault.episodes)
+                yield fault
 
 
-def _nearly_again(runs: Runs, asked: Bools) -> Iterator[Fault]:
-    """Find those of some runs that go nearly as another one does, frame for frame."""
-    if STATE not in runs.steps or not 3 <= len(runs.number) <= MAX_COMPARED:
-        return
-    distance, neighbour = _nearest(_marks(runs, runs.claims.schema.features[STATE].size))
+def _nearly_again(runs: Runs, marks: Floats, said: Bools, at_their_own_speed: bool) -> Iterator[Fault]:
+    """Find runs that go nearly as an earlier one does: frame for frame, or however long each is; some were said."""
+    distance, neighbour = _nearest(marks)
     known = np.isfinite(distance)
     if known.sum() < 3:
         return
     usual, n = float(np.quantile(distance[known], 0.75)), runs.n_frames
-    near = asked & known & (n >= MIN_FRAMES) & (distance < _NEAR * usual) & ((distance > 0) | (n != n[neighbour]))
-    pairs = sorted({tuple(sorted((run, int(neighbour[run])))) for run in np.flatnonzero(near).tolist()})
-    if pairs:
+    near = (
+        known
+        & (n >= MIN_FRAMES)
+        & (distance < _NEAR * np.minimum(usual, _motion(marks)))
+        & ((distance > 0) | (n != n[neighbour]))
+    )
+    both = {tuple(sorted((run, int(neighbour[run])))) for run in np.flatnonzero(near).tolist()}
+    if pairs := sorted(pair for pair in both if not said[pair[1]]):
         one, other = pairs[0]
-        found = f"nearly episode {runs.number[one]} again: {distance[other]:.2g} apart{and_more(len(pairs))}"
+        speed = f" {n[other] / n[one]:.2f} times as long," if at_their_own_speed else ""
+        found = f"nearly episode {runs.number[one]} again:{speed} {distance[other]:.2g} apart{and_more(len(pairs))}"
         expected = f"demonstrations that differ by about {usual:.2g} of their spread"
         again = tuple(sorted({int(runs.number[each]) for _, each in pairs}))
         yield Fault(DATA_DIR, f"episode {runs.number[other]}", found, expected, _COUNTS_TWICE, again)
@@ -413,6 +474,15 @@ def _nearest(marks: Floats) -> tuple[Floats, Ints]:
     return distance, neighbour
 
 
+def _motion(marks: Floats) -> Floats:
+    """Return how far each demonstration goes, in spreads of its columns, as a root mean square."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # a mark beyond the end of all of them
+        spread, own = np.nanstd(marks, axis=(0, 1)), np.nanstd(marks, axis=1)
+    motion: Floats = np.sqrt(np.square(own[:, spread > 0] / spread[spread > 0]).mean(axis=1))
+    return motion
+
+
 def _leap_ratio(runs: Runs, name: str) -> Floats:
     """Say how many times larger than the others of its run, on average, the largest step is, (n_runs, size)."""
     largest = runs.stats[name].step
@@ -446,7 +516,23 @@ def _median(values: Floats) -> Floats:
     return middle
 
 
-def _share_a_task(runs: Runs, wrong: Bools) -> bool:
+def parted(values: Floats) -> tuple[Ints, float, float]:
+    """Part values at the largest gap: which are the fewer, how wide it is, and how far the wider of the two spreads.
+
+    Examples
+    --------
+    >>> few, gap, spread = parted(np.array([3.0, 9.0, 2.0, 2.5]))
+    >>> few.tolist(), gap, spread
+    ([1], 6.0, 1.0)
+    """
+    order = np.argsort(values, kind="stable")
+    gaps = np.diff(values[order])
+    cut = int(gaps.argmax()) + 1
+    groups = (order[:cut], order[cut:])
+    return min(groups, key=len), float(gaps[cut - 1]), max(float(np.ptp(values[group])) for group in groups)
+
+
+def share_a_task(runs: Runs, wrong: Bools) -> bool:
     """Tell whether some of these episodes have a task that some of the others have as well."""
     if runs.tasks is None:
         return True

@@ -44,6 +44,15 @@ def no_camera_shows_one_colour(looks: Looks) -> Iterator[Answer]:
             yield "note", fault  # a camera on a wrist may well come close to something
 
 
+@CAMERA_FLAT.of(Looks)
+def no_picture_has_bars(looks: Looks) -> Iterator[Answer]:
+    """Are all pictures of a camera black on two sides? They were made to fit a shape that is not the camera's."""
+    for look in looks.cameras:
+        if look.bars:
+            mend = "Harmless if a policy sees the same when it acts; pixels are lost: crop or scale without bars"
+            yield "note", Fault(look.place, look.camera, look.bars, "a picture of something up to its edges", mend)
+
+
 CAMERA_FROZEN = Check(
     "camera-frozen", "no camera shows the same picture for an episode while the robot moves", "warning"
 )
@@ -103,6 +112,16 @@ def no_two_cameras_show_the_same(looks: Looks) -> Iterator[Answer]:
         found = partial("the same pictures as {}".format, twin.other.camera)
         same = Suspects(twin.same & ~twin.look.flat.wrong, found)
         yield from _looks_wrong(twin.look, same, "pictures of its own")
+
+
+@CAMERA_TWIN.of(Looks)
+def no_two_episodes_show_the_same(looks: Looks) -> Iterator[Answer]:
+    """Are the pictures of an episode those of another one, whose robot goes another way? One of the two is wrong."""
+    for look in looks.cameras:
+        for fault in _looks_wrong(look, look.again, "pictures of its own"):
+            yield fault._replace(
+                mend="Which of the two they belong to, the other cameras and the robot tell: look at both"
+            )
 
 
 @STATS.of(Looks)

@@ -1,6 +1,7 @@
 """What do all frames say together? Where their episodes run, and how each feature moves in each of them."""
 
 from collections.abc import Sequence
+from itertools import takewhile
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -49,6 +50,8 @@ class FileSums(NamedTuple):
         Where the robot is, from `sum_places`; only where pictures are decoded.
     moments : ndarray, float32[n_runs, n_moments, 2, n_columns], or None
         What all columns are at some moments, from `keep_moments`; None where that would be too much.
+    comes : ndarray, float64[n_runs, 1 + size], or None
+        When a label first comes, and the state then, from `fold_comes`; None where there is none of both.
     """
 
     n_rows: int | None
@@ -65,6 +68,7 @@ class FileSums(NamedTuple):
     images: dict[str, ImageSums] = {}  # noqa: RUF012
     places: Floats | None = None
     moments: NDArray[np.float32] | None = None
+    comes: Floats | None = None
 
 
 class Runs(NamedTuple):
@@ -84,7 +88,7 @@ class Runs(NamedTuple):
         Of each feature that could be read in all of these files.
     steps : dict of str to RunSteps
         Of those of them that were observed or done.
-    idle, tasks, moments : as in `FileSums`
+    idle, tasks, moments, comes : as in `FileSums`
         None where they are of some of these files.
     """
 
@@ -99,6 +103,7 @@ class Runs(NamedTuple):
     idle: Ints | None
     tasks: Ints | None
     moments: NDArray[np.float32] | None
+    comes: Floats | None
 
     @property
     def n_frames(self) -> Floats:
@@ -110,6 +115,15 @@ class Runs(NamedTuple):
         stats = self.stats[name]
         span: Floats = stats.high.max(axis=0) - stats.low.min(axis=0)
         return span
+
+    def moments_of(self, name: str) -> NDArray[np.float32]:
+        """What a feature is at some moments, and how it changes: (n_runs, n_moments, 2, size); no moment if unknown."""
+        features = self.claims.schema.signals()
+        size = features[name].size if name in features else 0
+        first = sum(features[each].size for each in takewhile(name.__ne__, features))
+        if self.moments is None or self.moments.shape[3] != sum(each.size for each in features.values()):
+            return np.empty((len(self.number), 0, 2, size), dtype=np.float32)
+        return self.moments[..., first : first + size]
 
 
 def _joined_moments(parts: Sequence[FileSums]) -> NDArray[np.float32] | None:
@@ -153,6 +167,7 @@ def join_runs(
         idle=join_all([part.idle for _, part in parts]),
         tasks=join_all([_shifted(part.tasks, int(first)) for first, (_, part) in zip(firsts, parts, strict=True)]),
         moments=_joined_moments([part for _, part in parts]),
+        comes=join_all([part.comes for _, part in parts]),
     )
 
 

@@ -16,6 +16,7 @@ from z2r.format.schema import ACTION, STATE, column_label
 from z2r.reading.stored import episodes_named
 
 _FACTORS = {100.0: "percent and parts of 1", 180 / np.pi: "degrees and radians", 1000.0: "mm and m"}
+_G = 9.80665  # m/s2, which is g
 _OFF = 0.35  # of such a factor: episodes differ in how far a column goes
 _MIN_EPISODES = 4
 
@@ -65,6 +66,26 @@ def _in_a_smaller_unit(span: Floats, path: Floats) -> tuple[Bools, float]:
         if not large.all() and fits.any() and (large | fits).all():
             return ~large, factor
     return np.zeros(len(span), dtype=bool), 0.0
+
+
+@UNIT.of(Runs)
+def accelerations_have_one_unit(runs: Runs) -> Iterator[Answer]:
+    """Is a column beside state and action, in some episodes, all in all a g-th of what it is in the others?"""
+    long = runs.n_frames >= _MIN_FRAMES
+    for name in (each for each in runs.steps if each not in (STATE, ACTION) and long.sum() >= _MIN_EPISODES):
+        stats = runs.stats[name]
+        for column in np.flatnonzero((np.abs(stats.mean) > stats.std).all(axis=0)).tolist():  # gravity is always there
+            mean = np.abs(stats.mean[:, column])
+            small = long & (mean * np.sqrt(_G) < mean.max())
+            off = mean * np.where(small, _G, 1) / np.median(mean[long & ~small])
+            if small.any() and (np.abs(off[long] - 1) <= _OFF).all():
+                number = runs.number[small].tolist()
+                place = f"{column_label(name, runs.claims.schema.features[name], column)} in {episodes_named(number)}"
+                found = f"{np.median(stats.mean[small, column]):.3g} on average"
+                usual = np.median(stats.mean[long & ~small, column])
+                expected = f"about {usual:.3g}, {_G:.3g} times as much, as in the others"
+                mend = "Are these g and m/s2? Multiply or divide one of the two, and the other axes as well"
+                yield Fault(DATA_DIR, place, found, expected, mend, tuple(dict.fromkeys(number)))
 
 
 @Check("velocity", "a velocity says how fast the column of its name moves, in its unit", "warning").of(FileFrames)

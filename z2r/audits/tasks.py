@@ -140,6 +140,8 @@ def splits(claims: Claims) -> Iterator[Answer]:
             yield Fault(INFO_PATH, f"splits.{name}", repr(split[:60]), expected)
             continue
         ranges[name] = slice(int(ends[1]), int(ends[2]))
+        if int(ends[1]) == int(ends[2]):
+            yield "note", Fault(INFO_PATH, f"splits.{name}", f"{split}, no episode", "episodes in every split")
     times = np.zeros(len(numbers), dtype=np.int64)
     for each in ranges.values():
         times[each] += 1

@@ -2,7 +2,7 @@
 
 import hashlib
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 
 import numpy as np
 
@@ -155,22 +155,58 @@ def no_sensor_is_dead(runs: Runs) -> Iterator[Answer]:
             yield Fault(DATA_DIR, f"{STATE}[{name}]", f"{seen[0]:.4g} in all frames", expected)
 
 
-@Check("twin", "no demonstration is there twice", "warning").of(Runs)
+TWIN = Check("twin", "no demonstration is there twice", "warning")
+_COUNTS_TWICE = "It counts twice in training, and may stand on both sides of a split"
+
+
+@TWIN.of(Runs)
 def twin(runs: Runs) -> Iterator[Answer]:
     """Is the same demonstration there twice? Every sum of every feature is the same then, to the last bit."""
-    if not runs.stats:
-        return
-    columns = [column.reshape(len(runs.number), -1) for stats in runs.stats.values() for column in stats]
-    first: dict[bytes, int] = {}
-    moves = np.any([(stats.high > stats.low).any(axis=1) for stats in runs.stats.values()], axis=0)
-    long = np.flatnonzero(moves & (next(iter(runs.stats.values())).n >= _LONG))
-    twins = [(run, same) for run in long.tolist() if (same := first.setdefault(_print(columns, run), run)) != run]
-    if twins:
+    if twins := _again(runs, runs.stats):
         run, same = twins[0]
         found = f"episode {runs.number[same]} again, frame for frame{and_more(len(twins))}"
-        mend = "It counts twice in training, and may stand on both sides of a split"
-        named = tuple(runs.number[[run for run, _ in twins]].tolist())
-        yield Fault(DATA_DIR, f"episode {runs.number[run]}", found, "every demonstration once", mend, named)
+        yield Fault(
+            DATA_DIR,
+            f"episode {runs.number[run]}",
+            found,
+            "every demonstration once",
+            _COUNTS_TWICE,
+            _numbers(runs, twins),
+        )
+
+
+@TWIN.of(Runs)
+def half_a_twin(runs: Runs) -> Iterator[Answer]:
+    """Is the state of another episode there again, with other actions? Or these with another state: a replay may be."""
+    if not {STATE, ACTION} <= runs.stats.keys():
+        return
+    whole = {run for run, _ in _again(runs, (STATE, ACTION))}
+    for name, other in ((STATE, ACTION), (ACTION, STATE)):
+        twins = [each for each in _again(runs, (name,)) if each[0] not in whole]
+        if twins:
+            run, same = twins[0]
+            found = f"{name} of episode {runs.number[same]} again, frame for frame, with another {other}"
+            expected = f"{name} and {other} of one recording"
+            mend = "Was one of the two taken from elsewhere? Look at both episodes"
+            place = f"{name} in episode {runs.number[run]}"
+            fault = Fault(DATA_DIR, place, found + and_more(len(twins)), expected, mend, _numbers(runs, twins))
+            yield fault if name == STATE else ("note", fault)
+
+
+def _again(runs: Runs, names: Collection[str]) -> list[tuple[int, int]]:
+    """Find the long runs that are an earlier one again in all of these features, which move: both, the later first."""
+    if not names:
+        return []
+    stats = [runs.stats[name] for name in names]
+    columns = [column.reshape(len(runs.number), -1) for each in stats for column in each]
+    first: dict[bytes, int] = {}
+    moves = np.any([(each.high > each.low).any(axis=1) for each in stats], axis=0)
+    long = np.flatnonzero(moves & (stats[0].n >= _LONG))
+    return [(run, same) for run in long.tolist() if (same := first.setdefault(_print(columns, run), run)) != run]
+
+
+def _numbers(runs: Runs, twins: Sequence[tuple[int, int]]) -> tuple[int, ...]:
+    return tuple(runs.number[[run for run, _ in twins]].tolist())
 
 
 def _print(columns: Sequence[Floats], run: int) -> bytes:

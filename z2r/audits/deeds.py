@@ -1,0 +1,211 @@
+"""Does an episode do what it says? Held against the others that say the same, and against those that do not.
+
+The text of a task, a success and a reward are only said; what the robot does is measured. Where the two part in a few
+episodes, nobody knows which of them is right: so all of this is a note.
+"""
+
+from collections.abc import Iterator
+from itertools import permutations
+
+import numpy as np
+
+from z2r.arrays import Bools, Floats, Ints
+from z2r.audits.frames import FileFrames
+from z2r.audits.motion import parted, share_a_task
+from z2r.audits.runs import Runs
+from z2r.audits.steps import run_of
+from z2r.check import Answer, Check
+from z2r.errors import Fault, short
+from z2r.format.episodes import DATA_DIR
+from z2r.format.schema import ACTION, STATE, Schema, column_label
+from z2r.reading.joints import is_gripper
+from z2r.reading.stored import REWARD, episodes_named, is_one_number, is_true, label_in, levels_of
+
+_MIN_OF_A_TASK = 3  # episodes
+_APART = 2.5  # times how far the episodes of two tasks stray, between the middles of both: there, they differ
+_TELLING = 4  # places in which they do
+_OTHERS_WAY = 0.75  # of these: nearer to the other task
+_NEARER = 0.75  # times as far as from the nearest of its own task
+_FEW = 0.25  # of the episodes of a task: of more, nobody knows whether the text is wrong
+_MAX_TEXT, _FINE = 60, 0.01  # characters of a text that are shown; and of a range, what is always nearly the same
+_SAMPLE = 64  # episodes of a task, by which it is known how near they come to each other
+
+_MIN_EPISODES = 8  # of which one comes elsewhere
+_BEYOND, _SURELY = 1.5, 5  # times as far as the others are from each other, of one alone, and of several
+_SHARE = 0.15  # of a column's range
+_MANY = 0.3  # of the episodes: the others need not be the right ones
+
+_CLEARLY = 2.5  # times as far as those that hold nothing
+_STANDS = 0.02  # of a gripper's range, in two frames
+_HELD_BACK, _NOT_HELD = 0.08, 0.2  # of it; and of how far it is held back in the others
+_HALF, _MOST = 0.5, 0.75  # of the episodes: at least so many hold something, and what is usual in them
+_LATER = 3  # moments of an episode in which it stands: a hand or two may be in between
+
+
+@Check("task-motion", "an episode goes as the others of its task do, and not as those of another", "note").of(Runs)
+def episodes_do_their_own_task(runs: Runs) -> Iterator[Answer]:
+    """Does an episode go as those of another task, where the two go different ways? It may have the other's text."""
+    tasks, states, task = runs.claims.stored.tasks.value, runs.moments_of(STATE)[:, :, 0], _only_tasks(runs)
+    if tasks is None or not states.size:
+        return
+    task[~np.isfinite(states).all(axis=(1, 2))] = -1
+    text = dict(zip(tasks.number.tolist(), tasks.text, strict=True))
+    numbers, n = np.unique(task[np.isin(task, tasks.number)], return_counts=True)
+    for own, other in permutations(numbers[n >= _MIN_OF_A_TASK].tolist(), 2):
+        rows = _as_of_another(states.astype(np.float64), *(np.flatnonzero(task == each) for each in (own, other)))
+        if len(rows):
+            number = runs.number[rows].tolist()
+            said, done = (repr(short(text[each], _MAX_TEXT)) for each in (own, other))
+            expected = f"motion as in the other episodes of {said}"
+            mend = "Was it recorded with the text of another task? Look at its pictures"
+            place = f"task_index in {episodes_named(number)}"
+            yield Fault(DATA_DIR, place, f"{said}, and motion as of {done}", expected, mend, tuple(number))
+
+
+def _only_tasks(runs: Runs) -> Ints:
+    """Return the task of each run that has one and no other, else -1: int64[n_runs]."""
+    task = np.full(len(runs.number), -1)
+    if runs.tasks is not None:
+        run, number = runs.tasks.T
+        task[run] = number
+        task[np.bincount(run, minlength=len(task)) != 1] = -1
+    return task
+
+
+def _as_of_another(states: Floats, own: Ints, other: Ints) -> Ints:
+    """Return the few of a task's runs that go as those of another one, where the middles of both are far apart.
+
+    `states` are (n_runs, n_moments, size). Only one of them near the other's is no reason: it may have gone astray.
+    """
+    span, strays = np.ptp(states, axis=(0, 1)), np.zeros(states.shape[1:])
+    middle = {}
+    for name, rows in (("own", own), ("other", other)):
+        middle[name] = np.median(states[rows], axis=0)
+        away = 1.4826 * np.median(np.abs(states[rows] - middle[name]), axis=0)  # as a standard deviation
+        strays += np.maximum(away, _FINE * span)
+    telling = (np.abs(middle["own"] - middle["other"]) >= _APART * strays) & (span > 0)  # (n_moments, size)
+    if telling.sum() < _TELLING:
+        return own[:0]
+    nearer = np.abs(states[own] - middle["other"]) < np.abs(states[own] - middle["own"])
+    as_other = nearer[:, telling].mean(axis=1) >= _OTHERS_WAY
+    if as_other.sum() > max(1, _FEW * len(own)):
+        return own[:0]
+    scaled = states / np.where(span > 0, states.std(axis=(0, 1)), 1)
+    usual = max(_to_the_nearest(scaled, row, other) for row in other[:_SAMPLE].tolist())
+    return np.array(
+        [
+            row
+            for row in own[as_other].tolist()
+            if (far := _to_the_nearest(scaled, row, other)) <= usual
+            and far <= _NEARER * _to_the_nearest(scaled, row, own)
+        ],
+        dtype=np.int64,
+    )
+
+
+def _to_the_nearest(states: Floats, row: int, others: Ints) -> float:
+    """Return how far a run is from the nearest of some others, as a root mean square."""
+    return float(np.sqrt(np.square(states[others[others != row]] - states[row]).mean(axis=(1, 2)).min()))
+
+
+@Check("grasp", "a gripper closes on what it closes on in the other episodes", "note").of(Runs)
+def grippers_hold_something(runs: Runs) -> Iterator[Answer]:
+    """Does a gripper come to where it is told to be, where something between its fingers holds it back elsewhere?"""
+    labels = {name: runs.claims.schema.features[name].labels for name in (STATE, ACTION) if name in runs.stats}
+    seen, asked = (runs.moments_of(name) for name in (STATE, ACTION))
+    if len(labels) < 2 or not seen.size or len(runs.number) < _MIN_EPISODES:
+        return
+    for column, name in enumerate(labels[STATE]):
+        if not is_gripper(name) or labels[ACTION].count(name) != 1:
+            continue
+        span = runs.spans(STATE)[column]
+        stands = np.abs(seen[:, :, 1, column]) <= _STANDS * span  # (n_runs, n_moments)
+        command = asked[:, :, 0, labels[ACTION].index(name)]
+        closes = np.ptp(command, axis=1) >= np.median(np.ptp(command, axis=1)) / 2
+        beside = np.abs(command - seen[:, :, 0, column])
+        held = np.sort(np.where(stands, beside, 0), axis=1)[:, -_LATER].astype(np.float64)
+        usual = float(np.quantile(held, _MOST))
+        wrong: Bools = (held <= _NOT_HELD * usual) & (held > 0) & closes  # a command may be a copy of the state
+        holds = (held >= max(_HELD_BACK * span, usual / 2)).mean() >= _HALF
+        if wrong.any() and holds and held[~wrong].min() >= _CLEARLY * held[wrong].max() and share_a_task(runs, wrong):
+            number = runs.number[wrong].tolist()
+            place = f"{column_label(STATE, runs.claims.schema.features[STATE], column)} in {episodes_named(number)}"
+            found = f"{held[wrong].max():.2g} beside its command at most, where it stands"
+            expected = f"about {usual:.3g}, as in the other episodes, where something holds it back"
+            mend = "Did it close on nothing, or on something thinner? Look at the pictures, and at what the label says"
+            yield Fault(DATA_DIR, place, found, expected, mend, tuple(number))
+
+
+@Check("label-moment", "a success or a reward comes where it does in the other episodes", "note").of(Runs)
+def labels_come_where_they_do_elsewhere(runs: Runs) -> Iterator[Answer]:
+    """Does a label come in a state, or so many frames before the end, as in no other episode?"""
+    come = (
+        np.flatnonzero(np.isfinite(runs.comes).all(axis=1)) if runs.comes is not None else np.empty(0, dtype=np.int64)
+    )
+    if runs.comes is None or len(come) < _MIN_EPISODES:
+        return
+    column, few = _elsewhere(runs.comes[come], np.append(np.median(runs.n_frames[come]), runs.spans(STATE)))
+    wrong: Bools = np.isin(np.arange(len(runs.number)), come[few])
+    if len(few) and share_a_task(runs, wrong):
+        here, there = (
+            float(np.median(runs.comes[some, column])) for some in (come[few], np.setdiff1d(come, come[few]))
+        )
+        name = column_label(STATE, runs.claims.schema.features[STATE], column - 1) if column else ""
+        where = [
+            f"where {name} is {each:.3g}" if name else f"{each:.0f} frames before the end" for each in (here, there)
+        ]
+        number = runs.number[wrong].tolist()
+        place = f"{label_of(runs.claims.schema)} in {episodes_named(number)}"
+        expected = f"it about {where[1]}, as in the other episodes"
+        mend = "Does the label come too early or too late there, or was something else done? Look at it"
+        if len(few) > _MANY * len(come):
+            mend += f". It is {len(few)} episodes against {len(come) - len(few)}: nobody knows which of them are right"
+        yield Fault(DATA_DIR, place, f"what comes first {where[0]}", expected, mend, tuple(number))
+
+
+def _elsewhere(comes: Floats, whole: Floats) -> tuple[int, Ints]:
+    """Return in which column few rows, and which, are far from all others: in the first, or where they are farthest.
+
+    `comes` are (n, size), of which each column goes through the `whole` (size,), and the first counts frames.
+    """
+    odd: list[tuple[float, int, Ints]] = []
+    for column in np.flatnonzero(whole > 0).tolist():
+        few, gap, spread = parted(comes[:, column])
+        times = _BEYOND if len(few) == 1 else _SURELY
+        if gap >= max(_SHARE * whole[column], times * spread, 0 if column else times):
+            odd.append((gap / max(spread, _FINE * whole[column]), column, few))
+    if not odd:
+        return 0, np.empty(0, dtype=np.int64)
+    _, column, few = odd[0] if odd[0][1] == 0 else max(odd, key=lambda each: each[0])
+    return column, few
+
+
+def label_of(schema: Schema) -> str | None:
+    """Return the column that says that something was reached: a success, else a reward of one number."""
+    return label_in(schema) or (REWARD if is_one_number(REWARD, schema) else None)
+
+
+def fold_comes(frames: FileFrames) -> Floats | None:
+    """Say of each run how many frames before its end its label first comes, and what the state is then.
+
+    Returns
+    -------
+    ndarray, float64[n_runs, 1 + size], or None
+        NaN where it never comes, is there from the start, or is a reward of more than two levels. None where there is
+        no label, or no state.
+    """
+    label, starts = label_of(frames.schema), frames.run_starts
+    if label not in frames.read.frames or STATE not in frames.signals:
+        return None
+    values, state = frames.read.frames[label][:, 0], frames.signals[STATE]
+    comes = np.full((len(starts), 1 + state.shape[1]), np.nan)
+    if label == REWARD and len(levels_of(values)) > 2:
+        return comes
+    there = is_true(values) if label != REWARD else values == values.max()
+    hits = np.flatnonzero(there & (values != values.min()))[::-1]
+    first = np.full(len(starts), -1)
+    first[run_of(hits, starts)] = hits  # the first of each run is written last
+    late = first > starts
+    comes[late, 0] = np.append(starts[1:], len(values))[late] - first[late]
+    comes[late, 1:] = state[first[late]]
+    return comes
