@@ -454,24 +454,25 @@ def _nearest(marks: Floats) -> tuple[Floats, Ints]:
     n = np.maximum(np.isfinite(flat).sum(axis=0), 1)
     mean = np.nansum(flat, axis=0) / n
     spread = np.sqrt(np.nansum(np.square(flat - mean), axis=0) / n)
-    marks = ((marks - mean) / np.where(spread > 0, spread, 1))[:, :, spread > 0]
+    marks = ((marks - mean) / np.where(spread > 0, spread, 1))[:, :, spread > 0].astype(np.float32)
     if not marks.size:
         return np.full(len(marks), np.nan), np.zeros(len(marks), dtype=np.int64)
     order = np.argsort(np.nansum(marks[:, : marks.shape[1] // 2], axis=(1, 2)), kind="stable")
     marks = marks[order]
     moves = (np.abs(np.diff(marks, axis=1)) > _MOVED).sum(axis=(1, 2))
-    distance, neighbour = np.full(len(marks), np.nan), np.zeros(len(marks), dtype=np.int64)
+    distance, neighbour = np.full(len(marks), np.inf), np.zeros(len(marks), dtype=np.int64)
     for ahead in range(1, min(_NEIGHBOURS, len(order) - 1) + 1):
-        one, other = order[:-ahead], order[ahead:]
-        between = marks[:-ahead] - marks[ahead:]
+        one, other = slice(-ahead), slice(ahead, None)
+        between = marks[one] - marks[other]
         apart = np.einsum("nmc,nmc->nm", between, between) / marks.shape[2]  # (n, n_marks)
         common = np.isfinite(apart).sum(axis=1)
         far = np.sqrt(np.nansum(apart, axis=1) / np.maximum(common, 1))
-        far[(common < _COMMON) | (moves[:-ahead] < _TELLING)] = np.nan
+        far[(common < _COMMON) | (moves[one] < _TELLING)] = np.inf
         for mine, its in ((one, other), (other, one)):
-            closer = far < np.where(np.isnan(distance[mine]), np.inf, distance[mine])
-            distance[mine[closer]], neighbour[mine[closer]] = far[closer], its[closer]
-    return distance, neighbour
+            np.copyto(neighbour[mine], order[its], where=far < distance[mine])
+            np.minimum(far, distance[mine], out=distance[mine])
+    back = np.argsort(order)
+    return np.where(np.isfinite(distance), distance, np.nan)[back], neighbour[back]
 
 
 def _motion(marks: Floats) -> Floats:

@@ -1,10 +1,10 @@
 """Are the values what a sensor gives? Summed up for each run of frames, so that no file stays in memory."""
 
-import hashlib
 import re
 from collections.abc import Collection, Iterator, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from z2r.arrays import Bools, Floats, Ints
 from z2r.audits.frames import FileColumns, FileFrames, RunStats
@@ -26,6 +26,7 @@ _NEARLY_ALL = 0.9  # of the episodes
 _ALWAYS, _SOMETIMES = 0.95, 0.75  # of the frames: what noise moves in all of them, and how much less is too little
 _OFTEN, _SELDOM = 0.1, 0.15  # the same of what moves in some of them
 _FEW = 0.3  # of the episodes
+_MIXER = np.uint64(0x9E3779B97F4A7C15)  # odd: 2**64 over the golden ratio (Knuth, "Sorting and searching", 6.4)
 
 
 FINITE = Check("finite", "there is no NaN, no infinity, and no gap", "error")
@@ -198,20 +199,27 @@ def _again(runs: Runs, names: Collection[str]) -> list[tuple[int, int]]:
     if not names:
         return []
     stats = [runs.stats[name] for name in names]
-    columns = [column.reshape(len(runs.number), -1) for each in stats for column in each]
-    first: dict[bytes, int] = {}
     moves = np.any([(each.high > each.low).any(axis=1) for each in stats], axis=0)
     long = np.flatnonzero(moves & (stats[0].n >= _LONG))
-    return [(run, same) for run in long.tolist() if (same := first.setdefault(_print(columns, run), run)) != run]
+    columns = [column[long] for each in stats for sums in each for column in sums.reshape(len(runs.number), -1).T]
+    _, first, where = np.unique(_prints(columns), return_index=True, return_inverse=True)
+    same = first[where]  # the first one with the same print
+    again = np.flatnonzero(same != np.arange(len(long)))
+    again = again[np.all([column[again] == column[same[again]] for column in columns], axis=0)]
+    return [*zip(long[again].tolist(), long[same[again]].tolist(), strict=True)]
 
 
 def _numbers(runs: Runs, twins: Sequence[tuple[int, int]]) -> tuple[int, ...]:
     return tuple(runs.number[[run for run, _ in twins]].tolist())
 
 
-def _print(columns: Sequence[Floats], run: int) -> bytes:
-    """Return the same bytes for the same numbers; of 0 there are two, which differ in a bit."""
-    return hashlib.sha256(np.concatenate([column[run] for column in columns]) + 0.0).digest()
+def _prints(columns: Sequence[Floats]) -> NDArray[np.uint64]:
+    """Return a number for each row, the same for the same numbers; of 0 there are two, which differ in a bit."""
+    prints = np.zeros(len(columns[0]), dtype=np.uint64)
+    for column in columns:
+        prints = (prints ^ (column + 0.0).view(np.uint64)) * _MIXER
+        prints = prints ^ (prints >> np.uint64(32))
+    return prints
 
 
 def unit_pairs(feature: Feature) -> list[tuple[int, int]]:
