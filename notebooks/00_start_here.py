@@ -203,8 +203,8 @@ z2r.panel(dataset)
 practice.check_share_reached(lambda reached: sum(reached))
 
 # %% [markdown]
-# **Complete the line.** `outcome.reached` holds a `True` or a `False` for each episode. Return the share of episodes
-# that reached the target, a number from 0 to 1.
+# **Complete the line.** Your function is called with a `reached` like `outcome.reached`, a `True` or a `False` for
+# each episode, but of other datasets. Return the share of episodes that reached the target, a number from 0 to 1.
 
 
 # %% tags=["exercise", "share-reached"]

@@ -295,9 +295,8 @@ poses = {
 
 # %% [markdown]
 # **Write it.** Return a `z2r.Goal` that agrees with the verdict in all 13 episodes, those in which the cube is placed
-# on a disc included. It needs a `name`; something to measure, such as `distance=("…", "…")` of two of these names, or
-# `value="block_z"`;
-# and a limit: `within`, `at_least` or `at_most`. Ball and disc have a radius of 3 cm.
+# on a disc included. It needs a `name`; something to measure, such as `distance=("…", "…")` of two of these names, in
+# quotes, or `value="block_z"`; and a limit: `within`, `at_least` or `at_most`. Ball and disc have a radius of 3 cm.
 
 
 # %% tags=["exercise", "arm-goal"]

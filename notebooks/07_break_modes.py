@@ -85,30 +85,6 @@ yaw_swap = z2r.break_mode("yaw-swap").reading(z2r.PUSHT)
 tell(yaw_swap)
 
 # %% [markdown]
-# ### Practice: what does yaw-swap do to the metrics? (about 2 min)
-#
-# **Predict, then run.** Read right, there are 217 frames, the longest episode has 76, and 3 of 3 reached the target.
-# What are the three numbers under `yaw-swap`? Put them in place of each `None`, before you scroll on.
-
-# %% tags=["exercise", "predict-yaw-swap"]
-n_frames = None
-longest = None
-n_reached = None
-practice.predict_yaw_swap(n_frames, longest, n_reached)
-
-# %% [markdown]
-# <details><summary>Hint</summary>
-#
-# Which of the three is computed from a yaw? On the target, the block's is about 0.
-#
-# </details>
-# <details><summary>Solution</summary>
-#
-# `n_frames = 217`, `longest = 76`, `n_reached = 0`.
-#
-# </details>
-
-# %% [markdown]
 # ### Practice: make the swap yourself (about 2 min)
 #
 # **Complete the line.** How is such a mistake made? By exchanging two names. The function takes a yaw, where
@@ -139,10 +115,37 @@ practice.check_swap(swap)
 # </details>
 
 # %% [markdown]
+# ### Practice: what if there were no episodes? (about 2 min)
+#
+# Another break mode, `drop-boundaries`, believes that there are none: all frames are one long recording.
+#
+# **Predict, then run.** Read right, there are 217 frames, the longest episode has 76, and 3 of 3 reached the target,
+# in their last frame. What are the three numbers under `drop-boundaries`? Put one in place of each `None`, before you
+# scroll on.
+
+# %% tags=["exercise", "predict-drop-boundaries"]
+n_frames = None
+longest = None
+n_reached = None
+practice.predict_drop_boundaries(n_frames, longest, n_reached)
+
+# %% [markdown]
+# <details><summary>Hint</summary>
+#
+# How many last frames are there now?
+#
+# </details>
+# <details><summary>Solution</summary>
+#
+# `n_frames = 217`, `longest = 217`, `n_reached = 1`.
+#
+# </details>
+
+# %% [markdown]
 # ## Three signatures
 #
-# Two more. `drop-boundaries` believes that there are no episodes. `yaw-swap-everywhere` makes the swap for the block
-# *and* for the target. The last column is the error in yaw at the end, in radians.
+# One more: `yaw-swap-everywhere` makes the swap for the block *and* for the target. The last column is the error in
+# yaw at the end, in radians.
 
 # %%
 print("mode                 episodes  frames  reached  error in yaw")
@@ -371,24 +374,6 @@ hunt.score(is_refuted)
 # %% [markdown] tags=["replies"]
 # <details><summary>One saved run: what the checkers reply</summary>
 #
-# **predict-yaw-swap: all as before**
-#
-# ```text
-# not yet: you said (217, 76, 3), it is (217, 76, 0). Frames and lengths come from
-#     the episode index, which the swap does not touch. The yaw comes from the
-#     swapped columns: near the target, about 90 degrees instead of about 0.
-# Another one: And if the same swap is made for the target as well: how many reach
-#     it? Add your answer to the call, as again=..., and run the cell again.
-# ```
-#
-# **predict-yaw-swap: a right answer**
-#
-# ```text
-# right: it is (217, 76, 0). Frames and lengths come from the episode index, which
-#     the swap does not touch. The yaw comes from the swapped columns: near the
-#     target, about 90 degrees instead of about 0.
-# ```
-#
 # **swap: nothing swapped**
 #
 # ```text
@@ -401,6 +386,24 @@ hunt.score(is_refuted)
 #
 # ```text
 # right: all 3 trials agree with z2r.
+# ```
+#
+# **predict-drop-boundaries: all three reach it**
+#
+# ```text
+# not yet: you said (217, 217, 3), it is (217, 217, 1). No frame is lost, and all
+#     are in one episode. It has one last frame, the last of all, which is on the
+#     target.
+# Another one: In three other episodes, the first two reached the target and the
+#     third did not. How many reached it, under drop-boundaries? Add your answer
+#     to the call, as again=..., and run the cell again.
+# ```
+#
+# **predict-drop-boundaries: a right answer**
+#
+# ```text
+# right: it is (217, 217, 1). No frame is lost, and all are in one episode. It has
+#     one last frame, the last of all, which is on the target.
 # ```
 #
 # **seen-from-block: half mended**

@@ -97,7 +97,8 @@ compare(dataset, *practice.SUSPECTS, "no-wrap")
 # `wrong-reference-point` asks how far the *pusher* is from the target. Beside the block, it never gets there. That
 # was real: [a simulator](https://github.com/huggingface/gym-xarm/pull/14) measured from the wrong point, and said
 # *failed* while the cube was in the air. `degrees-for-radians` has the same errors to the last digit, and hardly
-# anything is good enough. The last two lines are those of the right reading.
+# anything is good enough. `joints-exchanged`, which was made for arms, gives the pusher its *y* for its *x*; where
+# the block is stays right. The last two lines are those of the right reading.
 #
 # ### Practice: who notices? (about 2 min)
 #
@@ -153,7 +154,8 @@ compare(few, "inclusive-end", "first-shard-only", "stale-file-pointer")
 # %% [markdown]
 # `inclusive-end` has 13 frames too many, one for each episode but the last. Harmless? *Reached* is read from the last
 # frame, and that one now belongs to somebody else. The other two are worse: episodes are gone, and what is left is
-# perfect. You only notice if you remember how many there were.
+# perfect. (A *shard* is one of several files that hold one table.) You only notice if you remember how many episodes
+# there were.
 #
 # ### Practice: leaps inside episodes (about 2 min)
 #
@@ -249,7 +251,8 @@ moving.changes_table(changes)
 # **index** or the **files** change which frames belong together, so picture and action change by the same share.
 # Mistakes about **time** change neither what is drawn nor what is reached.
 #
-# The last column says who notices. `NONE` is `degrees-for-radians`: no data can say how good is good enough. (`messy`
+# The last column says which checks of the audit notice; `z2r explain overlap` says what one of them asks. `NONE` is
+# `degrees-for-radians`: no data can say how good is good enough. (`messy`
 # has a second witness, the simulator's verdict beside it. The copy has not, and neither has your data.)
 #
 # And *reached is wrong*? Under these, it is right for every episode that is left:

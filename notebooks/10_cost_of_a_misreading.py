@@ -605,6 +605,8 @@ hunt.score(ruins)
 # not yet: you said '0 of 6 and 0 of 6', it is 0 of 6 and 6 of 6. Exchanged, the
 #     pusher goes another way. Late, it goes the same way later, and nothing moves
 #     meanwhile: a block that nobody touches waits.
+# Another one: Played at 30 frames a second instead of 10, how many of the 6
+#     succeed? Add your answer to the call, as again=..., and run the cell again.
 # ```
 #
 # **predict-replay: a right answer**
