@@ -90,7 +90,8 @@ print(info["fps"], "frames a second")
 
 # %% [markdown]
 # An *episode* is one demonstration, from start to end. A *frame* is one moment of it: what the robot saw (the
-# *observation*), and what it then did (the *action*). `z2r.load` reads the same file, and where each episode ends.
+# *observation*), and what it was then told to do (the *action*). `z2r.load` reads the same file, and where each
+# episode ends.
 
 # %%
 dataset = z2r.load(z2r.STANDIN)

@@ -220,7 +220,7 @@ print(f"11 of 14 is {11 / 14:.0%}, and one of 14 is {1 / 14:.0%}")
 #
 # Beside this dataset, and not in it, lies what the simulator said of each episode: its *verdict*. A real robot would
 # not give you one. The simulator is stricter than we are. It says **success** when the block stays in tolerance for
-# some steps in a row, since a block that slides through the target has not arrived.
+# some steps in a row, of which each makes a frame: a block that slides through the target has not arrived.
 
 # %%
 print("steps in a row:", task.SUCCESS_HOLD)
@@ -452,7 +452,8 @@ hunt.score(reached)
 # **hunt: a right answer**
 #
 # ```text
-# right: 22 of 22, nothing missed, no false alarm. Another hunt: seed=1.
+# right: 22 of 22, nothing missed, no false alarm. For another hunt, add seed=1 to
+#     the call.
 # ```
 #
 # </details>

@@ -370,8 +370,9 @@ ask(np.roll(state, -1, axis=0), state)
 # **Write a better one.** `what_is` gets one number of the action, a state of four columns, and the frames a second.
 # It returns `(kind, column, ahead, factor)`: `"target"` or `"change"`; the place of the column; how many frames ahead
 # (a change counts where it ends); and how many of the action's units are one of the column's, or of its change in a
-# frame. It returns `None` where the action drives none of them. No robot here takes more than 0.4 s. A tenth beside
-# it is right. `hunt.examples()` has others: `action, state, fps = hunt.examples()[0].args`.
+# frame. It returns `None` where the action drives none of them. No robot here takes more than 0.4 s. `ahead` and
+# `factor` may each be off by a tenth, and `ahead` by one frame anyhow. `hunt.examples()` has others: `action, state,
+# fps = hunt.examples()[0].args`.
 
 
 # %% tags=["exercise", "hunt"]
@@ -484,7 +485,8 @@ hunt.score(what_is)
 # **hunt: a right answer**
 #
 # ```text
-# right: 16 of 16, nothing missed, no false alarm. Another hunt: seed=1.
+# right: 16 of 16, nothing missed, no false alarm. For another hunt, add seed=1 to
+#     the call.
 # ```
 #
 # </details>

@@ -57,6 +57,8 @@ from z2r.course.exercises import breaks as practice
 from z2r.course.hunts import beliefs as hunt
 from z2r.course.source import show_source
 from z2r.pusht.overlap import overlap
+from z2r.pusht.task import PUSHER_RADIUS
+from z2r.pusht.world import TEE_BOXES
 
 # %% [markdown]
 # ## A reading is a list of beliefs
@@ -222,6 +224,13 @@ moving.push_in(whole)
 # %%
 show_source(overlap)
 
+# %%
+parts = zip(("bar", "stem"), TEE_BOXES, strict=True)
+for part, ((x, y), (half_x, half_y, _)) in parts:
+    print(f"{part:4} {200 * half_x:2.0f} by {200 * half_y:.0f} cm,", end=" ")
+    print(f"its middle at {100 * x:.0f}, {100 * y:.0f}")
+print(f"pusher: a disc, {100 * PUSHER_RADIUS} cm from middle to edge")
+
 # %% [markdown]
 # Three readings, and two datasets. A contact in the simulator gives way by a few millimetres, as rubber would, so
 # count only what is deeper than 5.
@@ -237,7 +246,7 @@ for name, reading in (readings | {"everywhere": everywhere}).items():
 
 # %% [markdown]
 # A few millimetres, or thirty. Here is the number that tells the two readings apart, where *reached* could not. `z2r
-# audit` makes this check for you, with a limit of 10 mm.
+# audit` makes this check for you. Its limit is 10 mm, for another simulator may be softer.
 #
 # And what does it not see? A target that is read wrong: both swaps give the same lines. And `drop-boundaries`, for it
 # takes each frame alone. No single check is enough.
@@ -289,7 +298,7 @@ practice.check_seen_from_block(seen_from_block)
 # %%
 beliefs = z2r.audit_beliefs(z2r.ARM).beliefs
 apply = [each for each in beliefs if each.verdict != "does not apply"]
-print(len(beliefs), "break modes,", len(apply), "of them about an arm")
+print(len(beliefs), "break modes, of which", len(apply), "apply to the arm")
 
 # %% [markdown]
 # Now the question turns round. Not: *is my reading right?* But: **if it were wrong, would the data tell me?** Believe
@@ -321,10 +330,12 @@ for each in apply:
 # dataset, and *what nobody holds stays where it is*. With that, and a few more facts about cubes and tables, five
 # wrong beliefs can be refuted, and no label is needed.
 #
-# **Write a check.** `is_refuted` gets the columns of an episode, by the names that somebody believes they have:
-# `block_x` to `goal_z` in metres, `gripper.pos` from 0, closed, to 100, and the joints, 30 frames a second. It
-# returns `True` where that cannot be. Ten of twenty episodes are read right, three of them failures; ten are read
-# wrong, in five ways that you have to imagine. `hunt.examples()` has others: `(frames,) = hunt.examples()[0].args`.
+# **Write a check.** `is_refuted` gets a dict: the columns of an episode, by the names that somebody believes they
+# have. `block_x` to `goal_z` are in metres, `gripper.pos` goes from 0, closed, to 100, the other joints are in
+# degrees, and each has its command, as in `action/gripper.pos`. There are 30 frames a second. It returns `True` where
+# that cannot be. Ten of twenty episodes are read right, three of them failures. Ten are read wrong, in five ways.
+# `hunt.examples()` has others of the same kinds: `(frames,) = hunt.examples()[0].args`, and `.truth` says whether it
+# is read wrong.
 
 
 # %% tags=["exercise", "hunt"]
@@ -432,7 +443,8 @@ hunt.score(is_refuted)
 # **hunt: a right answer**
 #
 # ```text
-# right: 20 of 20, nothing missed, no false alarm. Another hunt: seed=1.
+# right: 20 of 20, nothing missed, no false alarm. For another hunt, add seed=1 to
+#     the call.
 # ```
 #
 # </details>

@@ -91,7 +91,7 @@ def compare(dataset, *names):
 guide("what the numbers mean")
 
 # %%
-compare(dataset, *practice.SUSPECTS, "no-wrap")
+compare(dataset, *practice.CHOICES, "no-wrap")
 
 # %% [markdown]
 # `wrong-reference-point` asks how far the *pusher* is from the target. Beside the block, it never gets there. That
@@ -239,8 +239,9 @@ for name in (None, "wrong-fps", "action-lag"):
 # ## All at once
 #
 # Now read `messy` in every wrong way that applies to it, and hold each against the right reading. A dot means: no
-# change. The first three columns count episodes. *Picture* and *action* are shares of frames in which something else
-# is drawn, or another action given. Click a row to see what gives it away.
+# change. The first three columns count episodes. The *final* ones are by how much an error at the end changes at
+# most. *Picture* and *action* are shares of frames in which something else is drawn, or another action given. Click a
+# row to see what gives it away.
 
 # %%
 changes = what_changes(root)
@@ -267,13 +268,14 @@ print(*(each.name for each in right), sep="\n")
 # changes. Of the others it is the same to the digit. A share that looks right is no test of a reader.
 
 # %% [markdown]
-# ## Hunt: eight datasets (about 9 min)
+# ## Hunt: eight datasets (about 10 min)
 #
 # Eight datasets, drawn from a seed: four of the pusher, four of the arm. Some are healthy. Nobody measures anything
 # for you.
 #
-# The numbers are free. Draw them, and try your own checks on them, those from the hunts before. Instruments cost
-# **one point** each: `finale.ask("a", "overlap")` asks one check of the audit, `finale.infer_action("a")`,
+# The numbers are free. Draw them, and paste in the checks that you wrote in the hunts before; how large the T is
+# stands in [07](07_break_modes.ipynb). Instruments cost **one point** each: `finale.ask("a", "overlap")` asks one
+# check of the audit (a name that is none costs nothing, and lists them all), `finale.infer_action("a")`,
 # `finale.inspect("a")` and `finale.panel("a")` are what you think. A right answer brings **five**, a wrong one costs
 # **two**. Forty is the most.
 

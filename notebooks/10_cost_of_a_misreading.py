@@ -135,8 +135,8 @@ for name in ("late-1", "late-2", "late-5", "action-lag"):
 #
 # Time is another matter. Late by one frame or by two, all six still succeed: the pusher makes the same moves a little
 # later, and a block that nobody touches waits. Late by five, the last half second of each episode is missing, and
-# that was often the last push. `action-lag` is one frame *early*. The first action is lost, so the whole path is
-# shifted by one step, and open loop nobody notices.
+# that was often the last push. `action-lag` is one frame *early* (as a row of the table: `early-1`). The first action
+# is lost, so the whole path is shifted by one step, and open loop nobody notices.
 #
 # Remember these four lines. Soon they will stand beside what a policy makes of the same mistakes.
 #
@@ -317,8 +317,8 @@ yaw = ("yaw-swap-in-training", "yaw-swap-at-rollout", "yaw-swap-throughout")
 costs.tell(*scale, *yaw)
 
 # %% [markdown]
-# Wrong in one place is a catastrophe, with both. Wrong in both is another matter. To a network, a number is just a
-# number. If it is eight times too small whenever it comes, no loss is seen.
+# Wrong in one place only, scale and yaw are a catastrophe. Wrong in both is another matter. To a network, a number is
+# just a number. If it is eight times too small whenever it comes, no loss is seen.
 #
 # Then why does the yaw not come back to where it was? Because this policy does not only pass it on. It sees all
 # things from the block: it turns them back by the block's yaw. And it learns from mirrored examples too, which are
@@ -351,6 +351,10 @@ costs.tell(*(row for pair in pairs for row in pair))
 # was damaged on purpose. Either they have the actions of another episode (in `tenth`, too), or their observation
 # freezes, or their actions are late, or the block leaps. `mixture` has all four, and in `idle` nobody moves. What
 # does `z2r audit` say of them?
+#
+# (Names of rows are made of these. `faulty-frozen` learned from all of `frozen`, and `faulty-frozen-unnamed` from
+# those episodes of which the audit says nothing. In `failed-kept` nobody damaged anything: it is a noisier recording,
+# of which three in ten fail.)
 
 # %%
 print("                    damaged  named  others named  damaged after --keep")
@@ -545,12 +549,13 @@ print("exit code", audit.exit_code)
 # ### Hunt: which of these ruins it? (about 9 min)
 #
 # Would you know it before you train? Here a hand goes to a goal on a table, in a world so small that training takes a
-# millisecond. In 22 of them a policy was trained with a misreading, and played. What it did is the truth.
+# millisecond. In 22 such worlds a policy was trained with a misreading, and played. What it did is the truth.
 #
 # **Decide.** `ruins` gets the state, `(n, 6)`, and the action, `(n, 2)`, that the policy learns from. Then, of other
 # demonstrations, the state as it will *see* it and the action that it should *want* there. It returns `True` if a
-# policy that learnt so succeeds in less than half of its tries. (The state: x and y of the hand, x and y of the goal,
-# sine and cosine of a heading.) `hunt.examples()` has others.
+# policy that learnt so succeeds in less than half of its tries: its hand should be within 3 cm of the goal after
+# eight seconds. (The state: x and y of the hand, x and y of the goal, sine and cosine of a heading.)
+# `hunt.examples()` has others.
 
 
 # %% tags=["exercise", "hunt"]
@@ -679,7 +684,8 @@ hunt.score(ruins)
 # **hunt: a right answer**
 #
 # ```text
-# right: 22 of 22, nothing missed, no false alarm. Another hunt: seed=1.
+# right: 22 of 22, nothing missed, no false alarm. For another hunt, add seed=1 to
+#     the call.
 # ```
 #
 # </details>
