@@ -61,7 +61,7 @@ Image(rollouts.film(both, seconds=11), format="png")
 
 # %% [markdown]
 # Such a program is called a *policy*: it looks, and then it acts. `late-5` is late by five frames, of ten in a
-# second. Both start from the same place. The one on the right circles the block and never arrives.
+# second. Both start from the same place. The one on the right circles the block as long as the film lasts.
 #
 # A dataset is full of numbers that mean something: an angle, a speed, the end of a demonstration. The file does not
 # check what you take them for. This course teaches you to read them, and to prove that you read them right.

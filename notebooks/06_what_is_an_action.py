@@ -291,7 +291,8 @@ for robot in ("standin", "arm"):
         print(answer)
 
 # %% [markdown]
-# Nobody told it anything. In a terminal, `z2r inspect my_dataset` prints the same about yours.
+# Nobody told it anything. (An *offset* is by how much a command lies beside the place that is reached: this wrist
+# hangs a little.) In a terminal, `z2r inspect my_dataset` prints the same about yours.
 #
 # This picture shows the fit for one joint, farther ahead than you looked. On its axis the first dots look alike. That
 # is why the table above prints what is *left*.

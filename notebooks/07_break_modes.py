@@ -310,15 +310,15 @@ for each in apply:
     print(f"{each.mode:19} {each.verdict:12}", *each.refuted_by)
 
 # %% [markdown]
-# `wrong-angle-unit` takes the degrees of the state for radians, or the other way round. The check `unit` refutes it:
-# a joint would move 57 times as far as it is told. `joints-exchanged` is refuted because each of two joints does what
-# the *other* one is told. Both rest on one fact: **a joint goes where it is told**. It is to the arm what solid
-# bodies are to the pusher.
+# `wrong-angle-unit` takes the degrees of the state for radians, or the other way round. The check `unit` refutes it
+# (`z2r explain unit` says more): a joint would move 57 times as far as it is told. `joints-exchanged` is refuted
+# because each of two joints does what the *other* one is told. Both rest on one fact: **a joint goes where it is
+# told**. It is to the arm what solid bodies are to the pusher.
 #
 # Remember the lines that say *not refuted*. `gripper-inverted` takes open for closed, in [one
 # dataset](https://github.com/OpenDriveLab/AgiBot-World/issues/133) against what its own description says. A gripper
-# that obeys looks the same either way. `action-lag` is a single frame, and an arm is two behind anyhow. No data will
-# tell you. **You have to know it.**
+# that obeys looks the same either way. `action-lag` shifts the commands by a single frame, and an arm is two
+# behind anyhow: three would do as well. No data will tell you. **You have to know it.**
 #
 # (One more thing that is easily read wrong, by Python itself: a script called `inspect.py`. It hides the module of
 # that name, on which half of the standard library depends. Call yours something else.)

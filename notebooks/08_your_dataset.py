@@ -189,7 +189,7 @@ for ahead in range(-5, 3):
     print(f"{ahead:2} ahead:", *(f"{each:.4f}" for each in shares))
 
 # %% [markdown]
-# Every column is largest at -3. The arm moves three frames *before* it is told to. It has no gift: the commands were
+# Every column is largest at -3. The arm moves three frames *before* it is told to. No arm can: the commands were
 # stored late. This arm takes two frames, so they are 2 + 3 = 5 frames late.
 #
 # **Fault two: each command is stored five frames after it was sent.** A policy would learn to order what has already

@@ -152,10 +152,10 @@ few = z2r.load(split(z2r.MESSY, few_files, episodes_per_file=5))
 compare(few, "inclusive-end", "first-shard-only", "stale-file-pointer")
 
 # %% [markdown]
-# `inclusive-end` has 13 frames too many, one for each episode but the last. Harmless? *Reached* is read from the last
-# frame, and that one now belongs to somebody else. The other two are worse: episodes are gone, and what is left is
-# perfect. (A *shard* is one of several files that hold one table.) You only notice if you remember how many episodes
-# there were.
+# In this copy five episodes share a data file, and as many a file of the index. `inclusive-end` has 13 frames too
+# many, one for each episode but the last. Harmless? *Reached* is read from the last frame, and that one now belongs
+# to somebody else. The other two are worse: episodes are gone, and what is left is perfect. (A *shard* is one of
+# several files that hold one table.) You only notice if you remember how many episodes there were.
 #
 # ### Practice: leaps inside episodes (about 2 min)
 #
@@ -233,8 +233,9 @@ for name in (None, "wrong-fps", "action-lag"):
 
 # %% [markdown]
 # Read right: a velocity, in the unit of the state, one frame ahead. With three times as many frames a second, there
-# is no such answer: 10.12 is no factor between units. With the action of the frame before, the same answer comes a
-# frame later. One frame sounds like nothing. [The next page](10_cost_of_a_misreading.ipynb) has its price.
+# is no such answer: 10.12, its slope, is no factor between units. `action-lag` gives each frame the action of the
+# next one, so that what it does is seen a frame later. One frame sounds like nothing. [The next
+# page](10_cost_of_a_misreading.ipynb) has its price.
 #
 # ## All at once
 #
@@ -275,8 +276,8 @@ print(*(each.name for each in right), sep="\n")
 #
 # The numbers are free. Draw them, and paste in the checks that you wrote in the hunts before; how large the T is
 # stands in [07](07_break_modes.ipynb). Instruments cost **one point** each: `finale.ask("a", "overlap")` asks one
-# check of the audit (a name that is none costs nothing, and lists them all), `finale.infer_action("a")`,
-# `finale.inspect("a")` and `finale.panel("a")` are what you think. A right answer brings **five**, a wrong one costs
+# check of the audit (any other word costs nothing, and lists the names of all checks), `finale.infer_action("a")`,
+# `finale.inspect("a")` and `finale.panel("a")` do what you know. A right answer brings **five**, a wrong one costs
 # **two**. Forty is the most.
 
 # %%

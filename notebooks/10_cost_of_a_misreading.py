@@ -375,14 +375,14 @@ costs.differences(costs.DEMONSTRATIONS)
 
 # %% [markdown]
 # Grey lines cross the zero: there, no cost was seen. Three do not: `idle-tenth`, `faulty-mixture` and, far out,
-# `failed-kept`, whose demonstrations are noisier as well. Else, a network that fits an average over hundreds of
+# `failed-kept`, whose demonstrations are noisier as well. Otherwise, a network that fits an average over hundreds of
 # demonstrations can take quite a few bad ones, if each is bad in its own way. So there is not always something to
 # win.
 #
 # Now leave out what the audit names. Each row is held against the policy that learned from *all* of the same
-# episodes. And because fewer episodes are left, there are rivals: for `mixture` as many at random, and as many of the
-# shortest, for what failed as many at random. It is a known trap that "keep the good ones" often means no more than
-# "keep the short ones".
+# episodes. And because fewer episodes are left, there are rivals: as many of `mixture` at random, and as many of its
+# shortest, and as many of what failed at random. It is a known trap that "keep the good ones" often means no more
+# than "keep the short ones".
 
 # %%
 costs.differences(costs.DROPPED)
@@ -401,9 +401,11 @@ for cost in costs.measured(sum(costs.DROPPED.values(), ())):
 
 # %%
 costs.tell(*costs.RIVALS)
+costs.tell("failed-dropped", "failed-as-many-at-random")
 
 # %% [markdown]
-# The order is the one to hope for. It is no more than a hope: each of these intervals holds zero.
+# In the mixture, the order is the one to hope for. It is no more than a hope: each of these intervals holds zero. And
+# to drop what failed did no better than to drop as many at random.
 #
 # Now find `failed-dropped-by-degrees`. Here *reached* comes up. Some noisy demonstrations fail, so somebody keeps
 # only those that reached the target. But the tolerance on the yaw, 0.2 radians, is taken for degrees. Then hardly any

@@ -28,7 +28,7 @@ _WHY = {
     "late-2": "Everything is done 0.2 s after its time, and a policy that looks again can correct itself",
     "late-5": "Everything is done half a second after its time, and by then the pusher is somewhere else",
     "yaw-swap-throughout": "It learns from what it will see, but all is turned by a wrong angle first",
-    "fps-30-at-rollout": "Each action lasts a third as long, so the pusher goes a third as far as it meant to",
+    "fps-30-at-rollout": "Each action lasts a third as long, so between two looks all moves a third as far",
     "exchanged": "Every push goes along the wrong axis, and no second look mends that",
     "scale-eightfold-throughout": "The network learns with the same wrong number that it is played with",
     "scale-eightfold-at-rollout": "The network has never seen its input so small",
