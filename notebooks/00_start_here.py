@@ -61,7 +61,7 @@ Image(rollouts.film(both, seconds=11), format="png")
 
 # %% [markdown]
 # Such a program is called a *policy*: it looks, and then it acts. `late-5` is late by five frames, of ten in a
-# second. Both start from the same place. The one on the right circles the block and never arrives.
+# second. Both start from the same place. The one on the right circles the block as long as the film lasts.
 #
 # A dataset is full of numbers that mean something: an angle, a speed, the end of a demonstration. The file does not
 # check what you take them for. This course teaches you to read them, and to prove that you read them right.
@@ -90,7 +90,8 @@ print(info["fps"], "frames a second")
 
 # %% [markdown]
 # An *episode* is one demonstration, from start to end. A *frame* is one moment of it: what the robot saw (the
-# *observation*), and what it then did (the *action*). `z2r.load` reads the same file, and where each episode ends.
+# *observation*), and what it was then told to do (the *action*). `z2r.load` reads the same file, and where each
+# episode ends.
 
 # %%
 dataset = z2r.load(z2r.STANDIN)
@@ -203,8 +204,8 @@ z2r.panel(dataset)
 practice.check_share_reached(lambda reached: sum(reached))
 
 # %% [markdown]
-# **Complete the line.** `outcome.reached` holds a `True` or a `False` for each episode. Return the share of episodes
-# that reached the target, a number from 0 to 1.
+# **Complete the line.** Your function is called with a `reached` like `outcome.reached`, a `True` or a `False` for
+# each episode, but of other datasets. Return the share of episodes that reached the target, a number from 0 to 1.
 
 
 # %% tags=["exercise", "share-reached"]

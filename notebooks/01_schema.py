@@ -191,7 +191,7 @@ for number in range(3, 8):
 # %% [markdown]
 # The action fits the move until the next frame. Against the move since the last it is far off: in frame 4 it asks for
 # -1.9 mm, and the pusher had just moved by 22.1. **A frame is what the robot saw before a step, and the action that
-# it then took.** What the last action of an episode did is stored nowhere, since no frame follows.
+# it was then told.** What the last action of an episode did is stored nowhere, since no frame follows.
 #
 # The arm's action is no velocity. It has the names of the six joints, and asks each for a position. How to find out
 # what an action is, of any robot, is [notebook 06](06_what_is_an_action.ipynb).

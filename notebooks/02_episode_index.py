@@ -300,7 +300,8 @@ print(len(wrong), "read wrong:", wrong[0])
 #
 # The index knows where an episode ends. And if the index is gone? Eight recordings lie before you without one:
 # pushers and arms, in metres, millimetres, degrees and radians. Now and then an encoder, the sensor of a joint, drops
-# out for a frame. Each seam is a clear one: some number leaps four times as far as it ever goes in a step.
+# out for a frame. Each seam is a clear one: some number leaps four times as far as it ever goes in a step, drop-outs
+# apart.
 #
 # **Write a check.** `find_starts` gets the state, a row for each frame, and returns the numbers of the frames with
 # which an episode begins, all but the first. It is scored on recordings that are not on this page. What you miss
@@ -410,7 +411,8 @@ hunt.score(find_starts)
 # **hunt: a right answer**
 #
 # ```text
-# right: 28 of 28, nothing missed, no false alarm. Another hunt: seed=1.
+# right: 28 of 28, nothing missed, no false alarm. For another hunt, add seed=1 to
+#     the call.
 # ```
 #
 # </details>

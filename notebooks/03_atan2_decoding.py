@@ -454,7 +454,8 @@ hunt.score(encoding)
 # **hunt: a right answer**
 #
 # ```text
-# right: 21 of 21, nothing missed, no false alarm. Another hunt: seed=1.
+# right: 21 of 21, nothing missed, no false alarm. For another hunt, add seed=1 to
+#     the call.
 # ```
 #
 # </details>

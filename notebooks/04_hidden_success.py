@@ -101,7 +101,7 @@ print(f"pos_err {pos_err:.4f} m, ang_err {ang_err:.4f} rad")
 figures.error_traces(errors, z2r.PUSHT, dataset.schema.fps)
 
 # %% [markdown]
-# Green are the tolerances. Where the curves are flat, the pusher walks around the block. A little after 4 s it shoves
+# The tolerances are green. Where the curves are flat, the pusher walks around the block. A little after 4 s it shoves
 # the block so that one error falls and the other rises.
 #
 # **Bug hunt.** This should return both errors of one frame, given as a dict like `last`. Nothing in its answers looks
@@ -220,7 +220,7 @@ print(f"11 of 14 is {11 / 14:.0%}, and one of 14 is {1 / 14:.0%}")
 #
 # Beside this dataset, and not in it, lies what the simulator said of each episode: its *verdict*. A real robot would
 # not give you one. The simulator is stricter than we are. It says **success** when the block stays in tolerance for
-# some steps in a row, since a block that slides through the target has not arrived.
+# some steps in a row, and a step makes a frame. A block that slides through the target has not arrived.
 
 # %%
 print("steps in a row:", task.SUCCESS_HOLD)
@@ -295,9 +295,9 @@ poses = {
 
 # %% [markdown]
 # **Write it.** Return a `z2r.Goal` that agrees with the verdict in all 13 episodes, those in which the cube is placed
-# on a disc included. It needs a `name`; something to measure, such as `distance=("…", "…")` of two of these names, or
-# `value="block_z"`;
-# and a limit: `within`, `at_least` or `at_most`. Ball and disc have a radius of 3 cm.
+# on a disc included. It needs a `name`; something to measure, such as `distance=("…", "…")`, in space, of two of
+# these names, in quotes, or `value="block_z"`; and a limit: `within`, `at_least` or `at_most`. Ball and disc have a
+# radius of 3 cm.
 
 
 # %% tags=["exercise", "arm-goal"]
@@ -453,7 +453,8 @@ hunt.score(reached)
 # **hunt: a right answer**
 #
 # ```text
-# right: 22 of 22, nothing missed, no false alarm. Another hunt: seed=1.
+# right: 22 of 22, nothing missed, no false alarm. For another hunt, add seed=1 to
+#     the call.
 # ```
 #
 # </details>

@@ -152,7 +152,7 @@ for entity in ("/cameras/front", "/cameras/side"):
 # A row for each frame, and nothing was decoded: the mp4 went into the recording as it lies on disk, and each row
 # names a moment of it.
 #
-# To open it on your own machine, type `rerun z2r-out/arm.rrd` in a terminal. Without one, drop the file onto
+# To open it on your own machine, type `rerun z2r-out/arm.rrd` in a terminal. If you have none, drop the file onto
 # [rerun.io/viewer](https://rerun.io/viewer). In Colab, download it first: the folder symbol on the left, then
 # `z2r-out`. This is what you see.
 
@@ -263,7 +263,7 @@ practice.predict_same_rows(prediction)
 # its jaws, and the joint stays away from its command.
 #
 # **Write it.** `gripped` gets both, in percent open, 30 frames a second. It returns the frame in which the jaws first
-# had something between them that they kept, or `None`. Four frames beside it is right. Beware: a motion comes later
+# had something between them that they kept, or `None`. Up to four frames off is right. Beware: a motion comes later
 # than its command, some jaws never close all the way, some things are thin, and some slip out at once. It is tried on
 # 18 episodes. `hunt.examples()` has others: `told, seen = hunt.examples()[0].args`.
 
@@ -368,7 +368,8 @@ hunt.score(gripped)
 # **hunt: a right answer**
 #
 # ```text
-# right: 18 of 18, nothing missed, no false alarm. Another hunt: seed=1.
+# right: 18 of 18, nothing missed, no false alarm. For another hunt, add seed=1 to
+#     the call.
 # ```
 #
 # </details>

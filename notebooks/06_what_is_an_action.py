@@ -291,7 +291,8 @@ for robot in ("standin", "arm"):
         print(answer)
 
 # %% [markdown]
-# Nobody told it anything. In a terminal, `z2r inspect my_dataset` prints the same about yours.
+# Nobody told it anything. (An *offset* is by how much a command lies beside the place that is reached: this wrist
+# hangs a little.) In a terminal, `z2r inspect my_dataset` prints the same about yours.
 #
 # This picture shows the fit for one joint, farther ahead than you looked. On its axis the first dots look alike. That
 # is why the table above prints what is *left*.
@@ -370,8 +371,9 @@ ask(np.roll(state, -1, axis=0), state)
 # **Write a better one.** `what_is` gets one number of the action, a state of four columns, and the frames a second.
 # It returns `(kind, column, ahead, factor)`: `"target"` or `"change"`; the place of the column; how many frames ahead
 # (a change counts where it ends); and how many of the action's units are one of the column's, or of its change in a
-# frame. It returns `None` where the action drives none of them. No robot here takes more than 0.4 s. A tenth beside
-# it is right. `hunt.examples()` has others: `action, state, fps = hunt.examples()[0].args`.
+# frame. It returns `None` where the action drives none of them. No robot here takes more than 0.4 s. `ahead` and
+# `factor` may each be off by a tenth, and `ahead` by one frame anyhow. `hunt.examples()` has others: `action, state,
+# fps = hunt.examples()[0].args`.
 
 
 # %% tags=["exercise", "hunt"]
@@ -484,7 +486,8 @@ hunt.score(what_is)
 # **hunt: a right answer**
 #
 # ```text
-# right: 16 of 16, nothing missed, no false alarm. Another hunt: seed=1.
+# right: 16 of 16, nothing missed, no false alarm. For another hunt, add seed=1 to
+#     the call.
 # ```
 #
 # </details>

@@ -57,6 +57,8 @@ from z2r.course.exercises import breaks as practice
 from z2r.course.hunts import beliefs as hunt
 from z2r.course.source import show_source
 from z2r.pusht.overlap import overlap
+from z2r.pusht.task import PUSHER_RADIUS
+from z2r.pusht.world import TEE_BOXES
 
 # %% [markdown]
 # ## A reading is a list of beliefs
@@ -83,30 +85,6 @@ tell(z2r.PUSHT)
 # %%
 yaw_swap = z2r.break_mode("yaw-swap").reading(z2r.PUSHT)
 tell(yaw_swap)
-
-# %% [markdown]
-# ### Practice: what does yaw-swap do to the metrics? (about 2 min)
-#
-# **Predict, then run.** Read right, there are 217 frames, the longest episode has 76, and 3 of 3 reached the target.
-# What are the three numbers under `yaw-swap`? Put them in place of each `None`, before you scroll on.
-
-# %% tags=["exercise", "predict-yaw-swap"]
-n_frames = None
-longest = None
-n_reached = None
-practice.predict_yaw_swap(n_frames, longest, n_reached)
-
-# %% [markdown]
-# <details><summary>Hint</summary>
-#
-# Which of the three is computed from a yaw? On the target, the block's is about 0.
-#
-# </details>
-# <details><summary>Solution</summary>
-#
-# `n_frames = 217`, `longest = 76`, `n_reached = 0`.
-#
-# </details>
 
 # %% [markdown]
 # ### Practice: make the swap yourself (about 2 min)
@@ -139,10 +117,37 @@ practice.check_swap(swap)
 # </details>
 
 # %% [markdown]
+# ### Practice: what if there were no episodes? (about 2 min)
+#
+# Another break mode, `drop-boundaries`, believes that there are none: all frames are one long recording.
+#
+# **Predict, then run.** Read right, there are 217 frames, the longest episode has 76, and 3 of 3 reached the target,
+# in their last frame. What are the three numbers under `drop-boundaries`? Put one in place of each `None`, before you
+# scroll on.
+
+# %% tags=["exercise", "predict-drop-boundaries"]
+n_frames = None
+longest = None
+n_reached = None
+practice.predict_drop_boundaries(n_frames, longest, n_reached)
+
+# %% [markdown]
+# <details><summary>Hint</summary>
+#
+# How many last frames are there now?
+#
+# </details>
+# <details><summary>Solution</summary>
+#
+# `n_frames = 217`, `longest = 217`, `n_reached = 1`.
+#
+# </details>
+
+# %% [markdown]
 # ## Three signatures
 #
-# Two more. `drop-boundaries` believes that there are no episodes. `yaw-swap-everywhere` makes the swap for the block
-# *and* for the target. The last column is the error in yaw at the end, in radians.
+# One more: `yaw-swap-everywhere` makes the swap for the block *and* for the target. The last column is the error in
+# yaw at the end, in radians.
 
 # %%
 print("mode                 episodes  frames  reached  error in yaw")
@@ -219,6 +224,13 @@ moving.push_in(whole)
 # %%
 show_source(overlap)
 
+# %%
+parts = zip(("bar", "stem"), TEE_BOXES, strict=True)
+for part, ((x, y), (half_x, half_y, _)) in parts:
+    print(f"{part:4} {200 * half_x:2.0f} by {200 * half_y:.0f} cm,", end=" ")
+    print(f"its middle at {100 * x:.0f}, {100 * y:.0f}")
+print(f"pusher: a disc, {100 * PUSHER_RADIUS} cm from middle to edge")
+
 # %% [markdown]
 # Three readings, and two datasets. A contact in the simulator gives way by a few millimetres, as rubber would, so
 # count only what is deeper than 5.
@@ -234,7 +246,7 @@ for name, reading in (readings | {"everywhere": everywhere}).items():
 
 # %% [markdown]
 # A few millimetres, or thirty. Here is the number that tells the two readings apart, where *reached* could not. `z2r
-# audit` makes this check for you, with a limit of 10 mm.
+# audit` makes this check for you. Its limit is 10 mm, for another simulator may be softer.
 #
 # And what does it not see? A target that is read wrong: both swaps give the same lines. And `drop-boundaries`, for it
 # takes each frame alone. No single check is enough.
@@ -286,7 +298,7 @@ practice.check_seen_from_block(seen_from_block)
 # %%
 beliefs = z2r.audit_beliefs(z2r.ARM).beliefs
 apply = [each for each in beliefs if each.verdict != "does not apply"]
-print(len(beliefs), "break modes,", len(apply), "of them about an arm")
+print(len(beliefs), "break modes, of which", len(apply), "apply to the arm")
 
 # %% [markdown]
 # Now the question turns round. Not: *is my reading right?* But: **if it were wrong, would the data tell me?** Believe
@@ -298,15 +310,15 @@ for each in apply:
     print(f"{each.mode:19} {each.verdict:12}", *each.refuted_by)
 
 # %% [markdown]
-# `wrong-angle-unit` takes the degrees of the state for radians, or the other way round. The check `unit` refutes it:
-# a joint would move 57 times as far as it is told. `joints-exchanged` is refuted because each of two joints does what
-# the *other* one is told. Both rest on one fact: **a joint goes where it is told**. It is to the arm what solid
-# bodies are to the pusher.
+# `wrong-angle-unit` takes the degrees of the state for radians, or the other way round. The check `unit` refutes it
+# (`z2r explain unit` says more): a joint would move 57 times as far as it is told. `joints-exchanged` is refuted
+# because each of two joints does what the *other* one is told. Both rest on one fact: **a joint goes where it is
+# told**. It is to the arm what solid bodies are to the pusher.
 #
 # Remember the lines that say *not refuted*. `gripper-inverted` takes open for closed, in [one
 # dataset](https://github.com/OpenDriveLab/AgiBot-World/issues/133) against what its own description says. A gripper
-# that obeys looks the same either way. `action-lag` is a single frame, and an arm is two behind anyhow. No data will
-# tell you. **You have to know it.**
+# that obeys looks the same either way. `action-lag` shifts the commands by a single frame, and an arm is two
+# behind anyhow: three would do as well. No data will tell you. **You have to know it.**
 #
 # (One more thing that is easily read wrong, by Python itself: a script called `inspect.py`. It hides the module of
 # that name, on which half of the standard library depends. Call yours something else.)
@@ -318,10 +330,12 @@ for each in apply:
 # dataset, and *what nobody holds stays where it is*. With that, and a few more facts about cubes and tables, five
 # wrong beliefs can be refuted, and no label is needed.
 #
-# **Write a check.** `is_refuted` gets the columns of an episode, by the names that somebody believes they have:
-# `block_x` to `goal_z` in metres, `gripper.pos` from 0, closed, to 100, and the joints, 30 frames a second. It
-# returns `True` where that cannot be. Ten of twenty episodes are read right, three of them failures; ten are read
-# wrong, in five ways that you have to imagine. `hunt.examples()` has others: `(frames,) = hunt.examples()[0].args`.
+# **Write a check.** `is_refuted` gets a dict: the columns of an episode, by the names that somebody believes they
+# have. `block_x` to `goal_z` are in metres, `gripper.pos` goes from 0, closed, to 100, the other joints are in
+# degrees, and each has its command, as in `action/gripper.pos`. There are 30 frames a second. It returns `True` where
+# that cannot be. Ten of twenty episodes are read right, three of them failures. Ten are read wrong, in five ways.
+# `hunt.examples()` has others of the same kinds: `(frames,) = hunt.examples()[0].args`, and `.truth` says whether it
+# is read wrong.
 
 
 # %% tags=["exercise", "hunt"]
@@ -371,24 +385,6 @@ hunt.score(is_refuted)
 # %% [markdown] tags=["replies"]
 # <details><summary>One saved run: what the checkers reply</summary>
 #
-# **predict-yaw-swap: all as before**
-#
-# ```text
-# not yet: you said (217, 76, 3), it is (217, 76, 0). Frames and lengths come from
-#     the episode index, which the swap does not touch. The yaw comes from the
-#     swapped columns: near the target, about 90 degrees instead of about 0.
-# Another one: And if the same swap is made for the target as well: how many reach
-#     it? Add your answer to the call, as again=..., and run the cell again.
-# ```
-#
-# **predict-yaw-swap: a right answer**
-#
-# ```text
-# right: it is (217, 76, 0). Frames and lengths come from the episode index, which
-#     the swap does not touch. The yaw comes from the swapped columns: near the
-#     target, about 90 degrees instead of about 0.
-# ```
-#
 # **swap: nothing swapped**
 #
 # ```text
@@ -401,6 +397,24 @@ hunt.score(is_refuted)
 #
 # ```text
 # right: all 3 trials agree with z2r.
+# ```
+#
+# **predict-drop-boundaries: all three reach it**
+#
+# ```text
+# not yet: you said (217, 217, 3), it is (217, 217, 1). No frame is lost, and all
+#     are in one episode. It has one last frame, the last of all, which is on the
+#     target.
+# Another one: In three other episodes, the first two reached the target and the
+#     third did not. How many reached it, under drop-boundaries? Add your answer
+#     to the call, as again=..., and run the cell again.
+# ```
+#
+# **predict-drop-boundaries: a right answer**
+#
+# ```text
+# right: it is (217, 217, 1). No frame is lost, and all are in one episode. It has
+#     one last frame, the last of all, which is on the target.
 # ```
 #
 # **seen-from-block: half mended**
@@ -429,7 +443,8 @@ hunt.score(is_refuted)
 # **hunt: a right answer**
 #
 # ```text
-# right: 20 of 20, nothing missed, no false alarm. Another hunt: seed=1.
+# right: 20 of 20, nothing missed, no false alarm. For another hunt, add seed=1 to
+#     the call.
 # ```
 #
 # </details>

@@ -189,7 +189,7 @@ for ahead in range(-5, 3):
     print(f"{ahead:2} ahead:", *(f"{each:.4f}" for each in shares))
 
 # %% [markdown]
-# Every column is largest at -3. The arm moves three frames *before* it is told to. It has no gift: the commands were
+# Every column is largest at -3. The arm moves three frames *before* it is told to. No arm can: the commands were
 # stored late. This arm takes two frames, so they are 2 + 3 = 5 frames late.
 #
 # **Fault two: each command is stored five frames after it was sent.** A policy would learn to order what has already
@@ -329,7 +329,7 @@ except z2r.DatasetError as error:
 # ## A fact of your own
 #
 # For the pusher there was a fact that needs no label: solid bodies do not overlap. What is one for an arm? You have
-# used it three times on this page: **a joint goes where it is told**. This is how far each joint is from its command,
+# used it already: **a joint goes where it is told**. This is how far each joint is from its command,
 # two frames later, at the worst moment of each of five episodes.
 
 # %%
@@ -391,9 +391,9 @@ practice.check_is_sane(is_sane)
 #
 # **Decide.** `decide` gets the action and the state of an episode, six joints each, the gripper last, and what its
 # camera saw: small grey pictures, `(n_frames, 12, 16)`, 30 a second. It returns `"keep"`; `"mend"`, if what is wrong
-# can be undone without loss, as a shift, a unit, a sign or an order of columns; or `"throw away"`, if something was
-# never recorded. Not all that looks odd is wrong: an arm may wait, a room may be dark. `hunt.examples()` has others:
-# `action, state, pictures = hunt.examples()[0].args`.
+# can be computed back: a unit, a sign, an order of columns, or commands stored late, though the last few frames go;
+# or `"throw away"`, if something was never recorded. Not all that looks odd is wrong: an arm may wait, a room may be
+# dark. `hunt.examples()` has others: `action, state, pictures = hunt.examples()[0].args`.
 
 
 # %% tags=["exercise", "hunt"]
@@ -523,7 +523,8 @@ hunt.score(decide)
 # **hunt: a right answer**
 #
 # ```text
-# right: 21 of 21, nothing missed, no false alarm. Another hunt: seed=1.
+# right: 21 of 21, nothing missed, no false alarm. For another hunt, add seed=1 to
+#     the call.
 # ```
 #
 # </details>

@@ -91,13 +91,14 @@ def compare(dataset, *names):
 guide("what the numbers mean")
 
 # %%
-compare(dataset, *practice.SUSPECTS, "no-wrap")
+compare(dataset, *practice.CHOICES, "no-wrap")
 
 # %% [markdown]
 # `wrong-reference-point` asks how far the *pusher* is from the target. Beside the block, it never gets there. That
 # was real: [a simulator](https://github.com/huggingface/gym-xarm/pull/14) measured from the wrong point, and said
 # *failed* while the cube was in the air. `degrees-for-radians` has the same errors to the last digit, and hardly
-# anything is good enough. The last two lines are those of the right reading.
+# anything is good enough. `joints-exchanged`, which was made for arms, gives the pusher its *y* for its *x*; where
+# the block is stays right. The last two lines are those of the right reading.
 #
 # ### Practice: who notices? (about 2 min)
 #
@@ -151,9 +152,10 @@ few = z2r.load(split(z2r.MESSY, few_files, episodes_per_file=5))
 compare(few, "inclusive-end", "first-shard-only", "stale-file-pointer")
 
 # %% [markdown]
-# `inclusive-end` has 13 frames too many, one for each episode but the last. Harmless? *Reached* is read from the last
-# frame, and that one now belongs to somebody else. The other two are worse: episodes are gone, and what is left is
-# perfect. You only notice if you remember how many there were.
+# In this copy five episodes share a data file, and as many a file of the index. `inclusive-end` has 13 frames too
+# many, one for each episode but the last. Harmless? *Reached* is read from the last frame, and that one now belongs
+# to somebody else. The other two are worse: episodes are gone, and what is left is perfect. (A *shard* is one of
+# several files that hold one table.) You only notice if you remember how many episodes there were.
 #
 # ### Practice: leaps inside episodes (about 2 min)
 #
@@ -231,14 +233,16 @@ for name in (None, "wrong-fps", "action-lag"):
 
 # %% [markdown]
 # Read right: a velocity, in the unit of the state, one frame ahead. With three times as many frames a second, there
-# is no such answer: 10.12 is no factor between units. With the action of the frame before, the same answer comes a
-# frame later. One frame sounds like nothing. [The next page](10_cost_of_a_misreading.ipynb) has its price.
+# is no such answer: 10.12, its slope, is no factor between units. `action-lag` gives each frame the action of the
+# next one, so that what it does is seen a frame later. One frame sounds like nothing. [The next
+# page](10_cost_of_a_misreading.ipynb) has its price.
 #
 # ## All at once
 #
 # Now read `messy` in every wrong way that applies to it, and hold each against the right reading. A dot means: no
-# change. The first three columns count episodes. *Picture* and *action* are shares of frames in which something else
-# is drawn, or another action given. Click a row to see what gives it away.
+# change. The first three columns count episodes. The *final* ones are by how much an error at the end changes at
+# most. *Picture* and *action* are shares of frames in which something else is drawn, or another action given. Click a
+# row to see what gives it away.
 
 # %%
 changes = what_changes(root)
@@ -249,7 +253,8 @@ moving.changes_table(changes)
 # **index** or the **files** change which frames belong together, so picture and action change by the same share.
 # Mistakes about **time** change neither what is drawn nor what is reached.
 #
-# The last column says who notices. `NONE` is `degrees-for-radians`: no data can say how good is good enough. (`messy`
+# The last column says which checks of the audit notice; `z2r explain overlap` says what one of them asks. `NONE` is
+# `degrees-for-radians`: no data can say how good is good enough. (`messy`
 # has a second witness, the simulator's verdict beside it. The copy has not, and neither has your data.)
 #
 # And *reached is wrong*? Under these, it is right for every episode that is left:
@@ -264,14 +269,15 @@ print(*(each.name for each in right), sep="\n")
 # changes. Of the others it is the same to the digit. A share that looks right is no test of a reader.
 
 # %% [markdown]
-# ## Hunt: eight datasets (about 9 min)
+# ## Hunt: eight datasets (about 10 min)
 #
 # Eight datasets, drawn from a seed: four of the pusher, four of the arm. Some are healthy. Nobody measures anything
 # for you.
 #
-# The numbers are free. Draw them, and try your own checks on them, those from the hunts before. Instruments cost
-# **one point** each: `finale.ask("a", "overlap")` asks one check of the audit, `finale.infer_action("a")`,
-# `finale.inspect("a")` and `finale.panel("a")` are what you think. A right answer brings **five**, a wrong one costs
+# The numbers are free. Draw them, and paste in the checks that you wrote in the hunts before; how large the T is
+# stands in [07](07_break_modes.ipynb). Instruments cost **one point** each: `finale.ask("a", "overlap")` asks one
+# check of the audit (any other word costs nothing, and lists the names of all checks), `finale.infer_action("a")`,
+# `finale.inspect("a")` and `finale.panel("a")` do what you know. A right answer brings **five**, a wrong one costs
 # **two**. Forty is the most.
 
 # %%

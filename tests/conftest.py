@@ -1,5 +1,6 @@
 import os
 import shutil
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -31,12 +32,48 @@ CHROMIUM_FLAGS = [
     "--no-sandbox",
 ]
 
+# Files that take more than half a minute, longest first.
+LONGEST = (
+    "test_notebooks",
+    "test_report_in_browser",
+    "test_cameras",
+    "test_colab",
+    "test_cli",
+    "test_exercises",
+    "test_audit",
+    "test_page",
+    "test_moving",
+    "test_motion",
+    "test_faults",
+    "test_page_in_every_browser",
+    "test_jupyterlab",
+    "test_cloning",
+)
+
 RECORDED_LENGTHS = (1, 40, 7, 1, 1, 25, 60, 3, 18, 1, 33, 12)
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Keep bytecode in pytest's cache where Python is told to leave none beside its sources, as in many containers.
+
+    Without any, each process that tests start would compile all that it imports: of LeRobot alone, thousands of files.
+    """
+    if sys.dont_write_bytecode:
+        sys.pycache_prefix = str(config.rootpath / ".pytest_cache" / "bytecode")
+        sys.dont_write_bytecode = False
+        os.environ["PYTHONPYCACHEPREFIX"] = sys.pycache_prefix
+        os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+    config.option.loadscopereorder = False  # of pytest-xdist, which would begin with the files of most tests
 
 
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
     """Use one process more than there are cores, for some tests wait: for a browser, a server or a cluster."""
     return (os.cpu_count() or 1) + 1
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with the files that take longest, or at the end one process has one of them and the others have none."""
+    items.sort(key=lambda item: LONGEST.index(item.path.stem) if item.path.stem in LONGEST else len(LONGEST))
 
 
 @pytest.fixture(scope="session")

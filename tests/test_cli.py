@@ -160,8 +160,8 @@ def test_what_was_recorded_afresh_is_kept_and_the_next_recording_takes_its_place
 
 
 def test_a_recording_is_not_lost_when_the_next_one_fails(tmp_path):
-    run("record", "z2r-out/dataset", "--episodes", 1, "--max-steps", 5, cwd=tmp_path)
-    result = run("inspect", "--smoke", cwd=tmp_path, program=f"import sys; sys.modules['mujoco'] = None; {MAIN}")
+    z2r.record(tmp_path / "z2r-out/dataset", [0], max_steps=5)
+    result = run("inspect", "--smoke", cwd=tmp_path, program=f"import sys; sys.modules['lerobot'] = None; {MAIN}")
     assert result.returncode == 2
     assert "pip install '.[record]'" in result.stderr
     assert z2r.load(tmp_path / "z2r-out/dataset").episodes.n_frames == 5

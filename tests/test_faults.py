@@ -49,7 +49,8 @@ type Ask = Callable[..., list[dict[str, Any]]]
 @pytest.fixture(scope="module")
 def ask() -> Iterator[Ask]:
     """Runs jobs at the same time, and says how each ended."""
-    command = [sys.executable, "-W", "ignore", Path(__file__).with_name("faulty.py")]
+    # What is written is what a command writes, and no bytecode (-B).
+    command = [sys.executable, "-B", "-W", "ignore", Path(__file__).with_name("faulty.py")]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
 
         def ask(*jobs: Job) -> list[dict[str, Any]]:

@@ -4,6 +4,7 @@ The datasets come from seeds, so what holds of one seed is held against others.
 """
 
 import contextlib
+import gc
 import importlib
 import io
 import re
@@ -605,6 +606,17 @@ def test_an_instrument_says_what_z2r_says():
     assert len(finale.infer_action(late)) == len([name for name in finale[late].columns if name.startswith("action/")])
     assert len(finale.inspect(late).episodes) == 5
     assert "Panel: dataset-" in repr(finale.panel(late))
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_finale_that_is_forgotten_leaves_no_folder_and_says_nothing():
+    finale = Finale()
+    finale.ask("a", "leap")
+    folder = finale._folder
+    assert folder.exists()
+    del finale
+    gc.collect()
+    assert not folder.exists()
 
 
 def test_the_numbers_that_are_handed_out_are_the_learner_s_own():

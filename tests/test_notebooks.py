@@ -67,10 +67,10 @@ def run(tmp_path_factory: pytest.TempPathFactory, search_path: list[Path]) -> Ru
     return Run(folder / "notebooks", done, pages)
 
 
-def clone(folder: Path) -> Path:
-    """Make a repository of the pages, their scripts and the settings."""
+def clone(folder: Path, stems: list[str] = STEMS) -> Path:
+    """Make a repository of pages, their scripts and the settings."""
     (folder / "notebooks").mkdir()
-    for path in (NOTEBOOKS / f"{stem}{suffix}" for stem in STEMS for suffix in (".py", ".ipynb")):
+    for path in (NOTEBOOKS / f"{stem}{suffix}" for stem in stems for suffix in (".py", ".ipynb")):
         shutil.copy(path, folder / "notebooks")
     for name in ("pyproject.toml", ".gitignore"):
         shutil.copy(ROOT / name, folder)
@@ -102,14 +102,15 @@ def test_the_notebooks_write_only_what_git_ignores(run):
 
 @pytest.mark.parametrize("processes", [[], ["-n", "2"]])
 def test_nbmake_runs_each_notebook_once_and_no_script(processes, tmp_path):
-    folder = clone(tmp_path)
-    for stem in STEMS:  # of each page only this, which leaves a mark for each run
+    two = STEMS[:2]  # each starts a kernel, and how they are found does not depend on how many there are
+    folder = clone(tmp_path, two)
+    for stem in two:  # of each page only this, which leaves a mark for each run
         cell = nbformat.v4.new_code_cell(f"open('z2r-out-{stem}', 'a').write('.')", id="cell")
         nbformat.write(nbformat.v4.new_notebook(cells=[cell]), folder / f"notebooks/{stem}.ipynb")
         (folder / f"notebooks/{stem}.py").write_text("raise SystemExit('a script was run')")
     done = nbmake(folder, kernel_variables(tmp_path / "profile", ROOT), *processes)
-    assert re.search(rf" {len(STEMS)} passed in ", done.stdout), done.stdout + done.stderr
-    assert [path.read_text() for path in folder.glob("notebooks/z2r-out-*")] == ["."] * len(STEMS)
+    assert re.search(r" 2 passed in ", done.stdout), done.stdout + done.stderr
+    assert [path.read_text() for path in folder.glob("notebooks/z2r-out-*")] == [".", "."]
 
 
 @each_notebook

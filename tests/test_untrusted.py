@@ -44,11 +44,14 @@ CAMERA = VIDEO.split("/")[1]
 SECONDS = 60
 PEAK = 800 * 2**20  # bytes, of which Python with pyarrow and rerun takes about 250 MiB
 
-# Reads what to look at line by line, and forks for each: Python and pyarrow are loaded once.
+# Reads what to look at line by line, and forks for each: Python, pyarrow and rerun are loaded once.
 PROGRAM = f"""
-import contextlib, io, json, os, resource, signal, sys, traceback
-import z2r.api, z2r.reading.inspection, z2r.show.terminal, z2r.reading.verdict, z2r.show.wallclock
+import contextlib, gc, io, json, os, resource, signal, sys, traceback
+import z2r.api, z2r.audits.audit, z2r.reading.inspection, z2r.reading.verdict
+import z2r.show.replay, z2r.show.terminal, z2r.show.wallclock
 from z2r.cli import main
+
+gc.freeze()  # so that no child copies what it only inherits
 
 def run(*args):
     sys.argv = ["z2r", *args]

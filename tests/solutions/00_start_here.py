@@ -17,6 +17,7 @@ EXERCISES = {
             "the count": (RATE.format("sum(reached)"), "expected 1 and got 6"),
             "in percent": (RATE.format("100 * sum(reached) / len(reached)"), "expected 1 and got 100"),
             "a constant of the example": (RATE.format("1.0"), "of which one reached it"),
+            "the reading at hand": (RATE.format("outcome.reached.mean()"), "the same in all 3 trials"),
             "it raises": (RATE.format("reached.rate"), "raised AttributeError"),
         },
     },

@@ -100,6 +100,10 @@ EXERCISES = {
                 "found no column gripper.pos",
             ),
             "no limit": (GOAL.format('z2r.Goal(name="apart", distance=("cube", "goal"))'), "found no limit"),
+            "a pose itself": (
+                GOAL.format('z2r.Goal(name="apart", distance=(poses["cube"], poses["goal"]), within=0.03)'),
+                "expected its name in quotes: cube or goal",
+            ),
             "a pose that is not there": (
                 GOAL.format('z2r.Goal(name="apart", distance=("block", "goal"), within=0.03)'),
                 "found block in goal apart",

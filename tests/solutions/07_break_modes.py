@@ -1,4 +1,4 @@
-PREDICT = "practice.predict_yaw_swap({})"
+PREDICT = "practice.predict_drop_boundaries({})"
 SWAP = "def swap(yaw):\n    return {}\npractice.check_swap(swap)"
 SEEN = """\
 def seen_from_block(pusher_x, pusher_y, x, y, yaw):
@@ -7,16 +7,16 @@ def seen_from_block(pusher_x, pusher_y, x, y, yaw):
 practice.check_seen_from_block(seen_from_block)"""
 
 EXERCISES = {
-    "predict-yaw-swap": {
-        "solution": PREDICT.format("217, 76, 0"),
+    "predict-drop-boundaries": {
+        "solution": PREDICT.format("217, 217, 1"),
         "wrong": {
-            "all as before": (PREDICT.format("217, 76, 3"), "it is (217, 76, 0)"),
-            "frames are lost": (PREDICT.format("0, 76, 0"), "you said (0, 76, 0)"),
-            "lengths change": (PREDICT.format("217, 67, 0"), "which the swap does not touch"),
-            "one survives": (PREDICT.format("217, 76, 1"), "about 90 degrees"),
-            "another question": (PREDICT.format("217, 76, 3"), "for the target as well"),
-            "two swaps are worse": (PREDICT.format("217, 76, 3, again=0"), "the angle between them stays"),
+            "all three reach it": (PREDICT.format("217, 217, 3"), "it is (217, 217, 1)"),
+            "nothing changes": (PREDICT.format("217, 76, 3"), "all are in one episode"),
+            "frames are lost": (PREDICT.format("76, 76, 1"), "No frame is lost"),
+            "nothing is reached": (PREDICT.format("217, 217, 0"), "the last of all, which is on the target"),
+            "the majority counts": (PREDICT.format("217, 217, 3, again=1"), "count for nothing"),
         },
+        "again": (PREDICT.format("217, 217, 3, again=2"), PREDICT.format("217, 217, 3, again=0")),
     },
     "swap": {
         "solution": SWAP.format("z2r.YawColumns(sin=yaw.cos, cos=yaw.sin)"),

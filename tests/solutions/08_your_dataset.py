@@ -33,7 +33,7 @@ EXERCISES = {
         "solution": AHEAD.format("range(-9, 10)", "tried[np.argmax(shares)]"),
         "wrong": {
             "only before": (AHEAD.format("range(-9, 0)", "tried[np.argmax(shares)]"), "for the elbow of arm"),
-            "its place in the list": (AHEAD.format("range(-9, 10)", "np.argmax(shares)"), "expected 2 and got 11"),
+            "its place in the list": (AHEAD.format("range(-9, 10)", "np.argmax(shares)"), "or its place in the list"),
             "without its sign": (AHEAD.format("range(-9, 10)", "abs(tried[np.argmax(shares)])"), "five frames late"),
             "the worst": (AHEAD.format("range(-9, 10)", "tried[np.argmin(shares)]"), "Which numbers of frames"),
             "too few": (AHEAD.format("range(-1, 4)", "tried[np.argmax(shares)]"), "comes after the motion"),

@@ -29,6 +29,7 @@ EXERCISES = {
             "both are harmless": (REPLAY.format(6, 6), "it is 0 of 6 and 6 of 6"),
             "the other way round": (REPLAY.format(6, 0), "you said '6 of 6 and 0 of 6'"),
         },
+        "again": (REPLAY.format(0, "0, again=6"), REPLAY.format(0, "0, again=0")),
     },
     "order": {
         "solution": ORDER.format(CHEAP_TO_COSTLY),

@@ -81,12 +81,17 @@ def measured(rows: Iterable[str]) -> list[Cost]:
 
 def verdict(cost: Cost) -> str:
     """Say what the interval of a paired difference allows one to say, and no more."""
-    _, low, high = (round(100 * value) for value in cost.cost)
-    if cost.cost[2] < 0:
-        return f"costs {-high} to {-low} points"
-    if cost.cost[1] > 0:
-        return f"gains {low} to {high} points"
-    return f"no difference seen, {low:+} to {high:+} points"
+    _, low, high = (100 * value for value in cost.cost)
+    if high < 0:
+        return f"costs {_points(-high)} to {_points(-low)} points"
+    if low > 0:
+        return f"gains {_points(low)} to {_points(high)} points"
+    return f"no difference seen, {low:+.0f} to {high:+.0f} points"
+
+
+def _points(value: float) -> str:
+    """Round to whole points, but for less than half a one: that is not none."""
+    return f"{value:.0f}" if value >= 0.5 else f"{value:.1f}"
 
 
 def tell(*rows: str) -> None:

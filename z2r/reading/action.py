@@ -565,7 +565,7 @@ def _scale_in_words(answer: DrivenColumn, unit: str) -> Iterator[str]:
     if factor < 0:
         yield "with the opposite sign"
     if answer.kind == "target" and answer.offset:
-        yield f"beside it by {answer.offset:.3g}{f' {unit}' if unit else ''}"
+        yield f"with an offset of {answer.offset:.3g}{f' {unit}' if unit else ''}"
 
 
 def sample_windows(episodes: EpisodeIndex, max_frames: int = 8_000, longest: int = 200) -> EpisodeIndex:

@@ -188,7 +188,7 @@ def _triple_fps(dataset: Dataset) -> Dataset:
     return replace(dataset, schema=replace_in(dataset.schema, fps=3 * dataset.schema.fps))
 
 
-def _act_a_frame_late(schema: Schema, reading: Reading | None) -> Misread | None:
+def _act_a_frame_early(schema: Schema, reading: Reading | None) -> Misread | None:
     from z2r.format.misread import Misread
     from z2r.format.schema import ACTION
 
@@ -390,8 +390,8 @@ BREAK_MODES: dict[str, BreakMode] = {
         BreakMode(
             name="action-lag",
             assumption="the action in a frame is the one that led to it, not the one taken in it",
-            signature="as many are reached, same picture; the action explains the step before it, not the one after",
-            misread=_act_a_frame_late,
+            signature="as many are reached, same picture; the action explains the step after the next one",
+            misread=_act_a_frame_early,
             about="an action",
             seen_in="https://github.com/Lifelong-Robot-Learning/LIBERO/issues/54",
         ),

@@ -132,7 +132,8 @@ def judge_function(
     Case or None
         The first case that went wrong, for a drawing; None where there is nothing to draw.
     """
-    if _is_untouched(function, untouched, cases):
+    answers = _answers(function, cases)
+    if answers and _is_untouched(answers, untouched, cases):
         print(f"{NOT_ATTEMPTED}: change the function in this cell, then run the cell again.")
         return None
     for case in cases:
@@ -145,6 +146,8 @@ def judge_function(
         if not _same(got, expected):
             print(f"{NOT_YET}: for {case.what}, expected {_shown(expected)} and got {_shown(got)}.", end=" ")
             print(_hint_about(got, expected, hint, special_hint))
+            if answers and all(_same(answer, got) for answer in answers):
+                print(f"It answers the same in all {len(cases)} trials. Does it use what it is given?")
             return case
     print(f"{RIGHT}: all {len(cases)} trials agree with z2r.")
     return None
@@ -163,11 +166,15 @@ def _hint_about(
     return (special_hint(found, wanted) if special_hint else None) or hint
 
 
-def _is_untouched(function: Callable[..., Any], untouched: Callable[..., Any] | None, cases: Sequence[Case]) -> bool:
+def _answers(function: Callable[..., Any], cases: Sequence[Case]) -> list[Any]:
+    """Return what a function answers in each trial, nothing where it raises."""
     try:
-        answers = [function(*case.args) for case in cases]
+        return [function(*case.args) for case in cases]
     except Exception:  # it was changed, if not for the better
-        return False
+        return []
+
+
+def _is_untouched(answers: Sequence[Any], untouched: Callable[..., Any] | None, cases: Sequence[Case]) -> bool:
     if untouched is None:
         return all(answer is ... or answer is None for answer in answers)
     return all(_same(answer, untouched(*case.args)) for answer, case in zip(answers, cases, strict=True))

@@ -8,9 +8,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle
 
 from z2r.api import inspect_dataset, load
-from z2r.course import figures
 from z2r.course.exercises._core import Case, Question, judge_function, judge_prediction
-from z2r.data import STANDIN
+from z2r.data import MESSY, STANDIN
 from z2r.format.schema import STATE, Feature, Schema
 from z2r.pusht import task
 from z2r.pusht.overlap import pusher_in_block
@@ -25,10 +24,10 @@ _SCHEMA = Schema("v3.0", 10, 1, 1, {STATE: Feature("float32", (10,), list(task.S
 _PLACES = ((0.05, 0.1, 0.02, 0, 90), (0.05, 0.02, 0.05, -0.04, 0), (0, -0.07, 0.03, 0.02, -135), (-0.1, 0, 0, 0, 30))
 
 
-def predict_yaw_swap(
+def predict_drop_boundaries(
     n_frames: int | None, longest: int | None, n_reached: int | None, again: int | None = None
-) -> Figure | None:
-    """Judge what the learner expects `yaw-swap` to make of the metrics of the first three episodes.
+) -> None:
+    """Judge what the learner expects `drop-boundaries` to make of the metrics of the first three episodes.
 
     Parameters
     ----------
@@ -36,37 +35,26 @@ def predict_yaw_swap(
         Number of frames, length of the longest episode [frames], number of episodes that seem to reach the target;
         None where there is no prediction yet.
     again : int, optional
-        The last of these under `yaw-swap-everywhere`, which is asked of whoever was wrong.
-
-    Returns
-    -------
-    Figure or None
-        The second episode in both readings of `yaw-swap`, for a wrong prediction.
+        The last of these where the last episode misses the target, which is asked of whoever was wrong.
     """
-    mode, dataset = break_mode("yaw-swap"), load(STANDIN).first(3)
-    found = inspect_dataset(dataset, mode)
-    everywhere = inspect_dataset(dataset, break_mode("yaw-swap-everywhere")).outcome
+    found = inspect_dataset(load(STANDIN).first(3), break_mode("drop-boundaries"))
+    # Of these, the first two reached it and the third did not.
+    missed = inspect_dataset(load(MESSY).first(3), break_mode("drop-boundaries"))
     assert found.outcome is not None
-    assert everywhere is not None
+    assert missed.outcome is not None
     answers = n_frames, longest, n_reached
     said = None if None in answers else answers
     truth = found.episodes.n_frames, int(max(found.episodes.lengths)), found.outcome.n_reached
     why = (
-        "Frames and lengths come from the episode index, which the swap does not touch. "
-        "The yaw comes from the swapped columns: near the target, about 90 degrees instead of about 0."
+        "No frame is lost, and all are in one episode. It has one last frame, the last of all, which is on the target."
     )
     second = Question(
-        everywhere.n_reached,
-        "If the target's yaw is swapped too, both are wrong alike, and the angle between them stays.",
-        "And if the same swap is made for the target as well: how many reach it?",
+        missed.outcome.n_reached,
+        "The last frame of all is the only one that is asked, and the first two episodes count for nothing.",
+        "In three other episodes, the first two reached the target and the third did not. How many reached it, under "
+        "drop-boundaries?",
     )
     judge_prediction(said, truth, why, second, again)
-    if said is None or said == truth:
-        return None
-    state = dataset.read(STATE)[dataset.episodes[1]]
-    return figures.right_and_wrong(
-        *(decode(state, reading, dataset.schema) for reading in (PUSHT, mode.reading(PUSHT)))
-    )
 
 
 def check_swap(function: Callable[[YawColumns], object]) -> None:

@@ -12,6 +12,7 @@ from z2r.course.exercises._core import (
     NOT_YET,
     RIGHT,
     Case,
+    Question,
     judge_function,
     judge_prediction,
 )
@@ -27,7 +28,7 @@ _WHY = {
     "late-2": "Everything is done 0.2 s after its time, and a policy that looks again can correct itself",
     "late-5": "Everything is done half a second after its time, and by then the pusher is somewhere else",
     "yaw-swap-throughout": "It learns from what it will see, but all is turned by a wrong angle first",
-    "fps-30-at-rollout": "Each action lasts a third as long, so the pusher goes a third as far as it meant to",
+    "fps-30-at-rollout": "Each action lasts a third as long, so between two looks all moves a third as far",
     "exchanged": "Every push goes along the wrong axis, and no second look mends that",
     "scale-eightfold-throughout": "The network learns with the same wrong number that it is played with",
     "scale-eightfold-at-rollout": "The network has never seen its input so small",
@@ -36,26 +37,32 @@ _WHY = {
 }
 
 
-def predict_replay(exchanged: int | None, late: int | None) -> None:
+def predict_replay(exchanged: int | None, late: int | None, again: int | None = None) -> None:
     """Judge how many episodes of `standin` the learner expects to succeed when their actions are played again.
 
     Parameters
     ----------
     exchanged, late : int or None
         With vx and vy exchanged, and with actions two frames late; None where nobody has predicted yet.
+    again : int, optional
+        With a clock three times as fast, which is asked of whoever was wrong.
     """
-    truth = _replayed("exchanged", "late-2")
+    truth = " and ".join(f"{_replayed(name)} of {_N_EPISODES}" for name in ("exchanged", "late-2"))
     said = None if None in (exchanged, late) else f"{exchanged} of 6 and {late} of 6"
     why = (
         "Exchanged, the pusher goes another way. Late, it goes the same way later, and nothing moves meanwhile: "
         "a block that nobody touches waits."
     )
-    judge_prediction(said, truth, why)
+    second = Question(
+        _replayed("wrong-fps"),
+        "Each action lasts a third as long, so the pusher goes a third as far, and hardly meets the block.",
+        f"Played at 30 frames a second instead of 10, how many of the {_N_EPISODES} succeed?",
+    )
+    judge_prediction(said, truth, why, second, again)
 
 
-def _replayed(*names: str) -> str:
-    successes = (sum(read_rollout(f"replay/{name}", number).success for number in range(_N_EPISODES)) for name in names)
-    return " and ".join(f"{each} of {_N_EPISODES}" for each in successes)
+def _replayed(name: str) -> int:
+    return sum(read_rollout(f"replay/{name}", number).success for number in range(_N_EPISODES))
 
 
 def check_order(order: Sequence[str] | None, rows: Sequence[str]) -> None:

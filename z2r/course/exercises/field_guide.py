@@ -19,7 +19,7 @@ from z2r.pusht.world import PUSHT
 from z2r.reading.breaks import break_mode
 from z2r.reading.decode import decode
 
-SUSPECTS = ("wrong-reference-point", "degrees-for-radians", "first-frame-for-last", "joints-exchanged")
+CHOICES = ("wrong-reference-point", "degrees-for-radians", "first-frame-for-last", "joints-exchanged")
 _OF_AN_ARM = ("wrong-angle-unit", "delta-for-absolute", "action-lag", "wrong-fps")
 
 
@@ -31,7 +31,7 @@ def predict_unnoticed(root: Path, prediction: str | None, again: str | None = No
     root : Path
         A PushT dataset without a verdict beside it.
     prediction : str or None
-        One of `SUSPECTS`; None where there is no prediction yet.
+        One of `CHOICES`; None where there is no prediction yet.
     again : str, optional
         The same of an arm, which is asked of whoever was wrong.
     """
@@ -41,7 +41,7 @@ def predict_unnoticed(root: Path, prediction: str | None, again: str | None = No
         f"Of the arm, which is not noticed: {', '.join(_OF_AN_ARM)}?",
     )
     why = "No data can say how good is good enough. Somebody has to know the task, or there is a second witness."
-    judge_prediction(prediction, _unnoticed(root, SUSPECTS), why, second, again)
+    judge_prediction(prediction, _unnoticed(root, CHOICES), why, second, again)
 
 
 def _unnoticed(root: Path, names: tuple[str, ...]) -> str:

@@ -25,8 +25,8 @@ def check_yaw_swap(prediction: int | None, again: int | None = None) -> None:
     judge_prediction(
         prediction,
         outcome.n_reached,
-        "The swap makes 90 degrees minus the yaw of every yaw. A block on the target has a yaw near 0, and so it seems"
-        " to lie at 90, far out of tolerance.",
+        "The swap turns a yaw into 90 degrees minus that yaw. The blocks end with one near 0, and so they seem to lie"
+        " at 90, far out of tolerance.",
         Question(
             3,
             "45 degrees is the one direction that the swap leaves alone: 90 - 45 = 45.",

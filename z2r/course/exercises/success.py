@@ -159,6 +159,8 @@ def check_arm_goal(function: Callable[[], Any], poses: dict[str, PoseColumns]) -
 def _said_of_goal(goal: object, poses: dict[str, PoseColumns]) -> str:
     if not isinstance(goal, Goal):
         return f"{NOT_YET}: your function returned {goal!r}, expected a z2r.Goal."
+    if not all(isinstance(name, str) for name in goal.poses):
+        return f"{NOT_YET}: found a pose itself in your goal, expected its name in quotes: {' or '.join(poses)}."
     arm, recording = load(ARM), read_verdict(ARM)
     reading = Reading(feature="observation.environment_state", poses=poses, goal=(goal,))
     if missing := reading.missing(arm.schema):

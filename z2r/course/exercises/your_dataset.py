@@ -13,6 +13,7 @@ from z2r.errors import count
 from z2r.format.schema import ACTION, STATE
 
 _N = 10  # frames: how far the function of the bug hunt looks
+_PLACE_HINT = "Is that a number of frames, or its place in the list of those that were tried?"
 
 
 class _Recording(NamedTuple):
@@ -84,7 +85,14 @@ def check_frames_ahead(function: Callable[[Floats, Floats], object]) -> None:
         Case("its wrist, the commands three frames early", (early[:, 3], state[:-3, 3])),
     ]
     hint = "Which numbers of frames does it try? A command that is stored late comes after the motion."
-    judge_function(function, _frames_ahead, cases, hint, untouched=_frames_ahead_as_handed_out)
+    judge_function(
+        function,
+        _frames_ahead,
+        cases,
+        hint,
+        untouched=_frames_ahead_as_handed_out,
+        special_hint=lambda got, expected: _PLACE_HINT if got.shape == () and got - expected >= _N - 1 else None,
+    )
 
 
 def check_is_sane(function: Callable[[Floats, Floats], object]) -> None:

@@ -145,7 +145,7 @@ def _tell(marks: Sequence[Marks], answers: Sequence[Any], trials: Sequence[Trial
     right, missed, false = (sum(each) for each in zip(*marks, strict=True))
     whole = right + missed + false
     if right == whole:
-        print(f"{RIGHT}: {right} of {whole}, nothing missed, no false alarm. Another hunt: seed=1.")
+        print(f"{RIGHT}: {right} of {whole}, nothing missed, no false alarm. For another hunt, add seed=1 to the call.")
         return
     share = int(100 * right / whole)  # 99.9 % is not full
     print(f"{NOT_YET}: {share} of 100 points. Right: {right}, missed: {missed}, false alarms: {false}.")

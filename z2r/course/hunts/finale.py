@@ -5,7 +5,9 @@ Each instrument of `z2r` costs a point for each dataset that it is held to: one 
 A wrong guess costs more.
 """
 
+import shutil
 import tempfile
+import weakref
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import NamedTuple
@@ -187,7 +189,8 @@ class Finale:
         self._truth = dict(zip(_NAMES, (name for _, name, _ in drawn), strict=True))
         self._recordings = dict(zip(_NAMES, (recording for _, _, recording in drawn), strict=True))
         self._audits: dict[str, Audit] = {}
-        self._folder = tempfile.TemporaryDirectory()
+        self._folder = Path(tempfile.mkdtemp())
+        weakref.finalize(self, shutil.rmtree, self._folder)  # a TemporaryDirectory that nobody closes warns
 
     def __repr__(self) -> str:
         return self.line
@@ -279,7 +282,7 @@ class Finale:
         """Note that an instrument is used, and return the dataset as a folder."""
         recording = self._recordings[name]
         self._used.add((instrument, name))
-        root = Path(self._folder.name) / f"dataset-{name}"
+        root = self._folder / f"dataset-{name}"
         if not root.exists():
             _write(recording, self._roots[name], root)
         return root

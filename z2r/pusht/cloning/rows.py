@@ -171,7 +171,7 @@ TRAININGS: tuple[Training, ...] = (
     Training(
         (
             Play("right", "nothing is wrong"),
-            Play("fps-30-at-rollout", "three times as many actions are played in a second", fps=3 * CONTROL_HZ),
+            Play("fps-30-at-rollout", "three times as many actions a second, each a third as long", fps=3 * CONTROL_HZ),
             Play("yaw-swap-at-rollout", "right in training; then the yaw is atan2(cos, sin)", mode=_SWAP),
             Play("scale-of-another-set-at-rollout", "scaled as a noisier recording is", scale=_of_another_set),
             Play("scale-eightfold-at-rollout", "one input is divided by 8 times too much", scale=_eightfold),
