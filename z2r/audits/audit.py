@@ -365,8 +365,8 @@ class _Block(NamedTuple):
     n_runs : int
         How many runs of frames there are up to its end.
     before, usual, reach, last
-        What the next block builds on: from `known_after`, `fold_following` and `fold_idle`, and the last frame, as the
-        scene sees it.
+        What the next block builds on: from `known_after`, `fold_following` and `fold_idle`, and the last two frames,
+        as the scene sees them.
     """
 
     sums: FileSums
@@ -481,7 +481,7 @@ def _of_the_file(finding: Finding, claims: FileClaims) -> Finding:
 def _fold_scene(
     scene: Scene | None, frames: FileFrames, reading: Reading | None, before: Decoded | None, findings: list[Finding]
 ) -> tuple[list[Any] | None, Decoded | None]:
-    """Return what the scene makes of these frames, and the last of them."""
+    """Return what the scene makes of these frames, and the last two of them."""
     schema, columns = frames.schema, frames.read.frames | frames.signals  # of these, each column is in one piece
     if scene is None or reading is None or not can_decode(columns, reading, schema):
         return None, None
@@ -491,7 +491,8 @@ def _fold_scene(
     except Exception as error:
         findings.append(failed(f"the scene in {frames.path.as_posix()}", error))
         return None, None
-    return None if sums is None else [sums], decoded.take(np.array([-1]))  # a copy: of the others, nothing stays
+    last = decoded.take(np.arange(len(decoded))[-2:])  # a copy: of the others, nothing stays
+    return None if sums is None else [sums], last
 
 
 def _ask_of_all(

@@ -78,7 +78,7 @@ def fold_block(
 ) -> PushTSums | None:
     """Sum up the frames of one block, of which the first is frame `base`; None where they have no action.
 
-    Of the frame before only the step from it to the first one counts: whether that is where an episode begins.
+    `before` are the last two frames of the block before: only the step from them to the first frame is asked for.
     """
     n, action, meaning = len(decoded), decoded.action, decoded.reading.action
     if action is None or meaning is None:
@@ -90,19 +90,23 @@ def fold_block(
     steps = np.stack([np.diff(pusher.x), np.diff(pusher.y)], axis=1)  # (n - 1, 2)
     offset, errors, depth = _offset(decoded), frame_errors(decoded), overlap(decoded)
     leaps = _leaps(steps, action, np.hypot(np.diff(tee.x), np.diff(tee.y)), 1 / fps)
-    begins_here = episodes.from_index[here].min(initial=base + n) == base
     long = leaps > _LONG_LEAP
     together = inside & ~long if long.sum() < _RARE * len(long) else inside  # a leap is no motion, unless all motion is
     free = _away_from_walls(pusher)
+    begins = episodes.from_index[here].min(initial=base + n)
+    leaped, within = leaps, inside
+    if before is not None:
+        leaped = np.append(_leap_over_the_cut(before, decoded, 1 / fps), leaps)
+        within = np.append(begins < base, inside)
     fastest = np.maximum(*np.abs(action.T))
     turned = np.abs(offset[:, 2])
     return PushTSums(
         n_frames=n,
         overlap=_worst(depth, depth > LIMIT, rows),
         beyond_limit=_worst(fastest, fastest > ACTION_LIMIT * (1 + 1e-6), rows),
-        leaps=_worst(leaps, (leaps > _LEAP) & inside, rows),
-        long_leaps=_worst(leaps, (leaps > _LONG_LEAP) & inside, rows),
-        seams=_seams(before if begins_here else None, decoded, inside, 1 / fps, rows),
+        leaps=_worst(leaped, (leaped > _LEAP) & within, rows),
+        long_leaps=_worst(leaped, (leaped > _LONG_LEAP) & within, rows),
+        seams=_seams(before if begins == base else None, decoded, inside, 1 / fps, rows),
         half_turns=_worst(turned, turned > np.pi + 1e-6, rows),
         motion=motion_sums(steps * fps, action, together & free, starts, meaning.lag),
         stuck=_stuck(steps, action, inside & free, rows),
@@ -356,13 +360,26 @@ def _leaps(steps: Floats, action: Floats, block_steps: Floats, seconds: float) -
     return beyond
 
 
+def _leap_over_the_cut(before: Decoded, decoded: Decoded, seconds: float) -> float:
+    """How far pusher or block go beyond what the action asks from the last frame of a block to the next one."""
+    first = decoded.take(slice(1))
+    assert before.action is not None  # as `fold_block` has seen, of both
+    assert first.action is not None
+    pusher, tee = (
+        np.diff([np.append(getattr(before.pose(name), axis), getattr(first.pose(name), axis)) for axis in "xy"])
+        for name in ("pusher", "tee")
+    )  # (2, n_steps)
+    leaps = _leaps(pusher.T, np.concatenate([before.action, first.action]), np.hypot(*tee), seconds)
+    return float(leaps[-1])
+
+
 def _seams(before: Decoded | None, decoded: Decoded, inside: Bools, seconds: float, rows: _Rows) -> Worst:
     """Find where an episode begins, and the motion runs straight on."""
     smooth, begin = np.full(rows.n, np.inf), rows.starts[rows.starts > 0]
     begin = begin[~inside[begin - 1]]
     smooth[begin] = _off_course(decoded.take(begin - 1), decoded.take(begin), seconds)
     if before is not None:
-        smooth[:1] = _off_course(before, decoded.take(slice(1)), seconds)
+        smooth[:1] = _off_course(before.take(slice(-1, None)), decoded.take(slice(1)), seconds)
     return _worst(smooth, smooth < _SMOOTH, rows)
 
 

@@ -83,7 +83,7 @@ class Scene(Protocol):
         fps : float
             Frames per second.
         before : Decoded or None
-            The last frame of the block before; None where the file begins.
+            The last two frames of the block before, or one if it has no more; None where the file begins.
         """
 
     def not_checked(self, root: Path) -> Iterator[str]:
