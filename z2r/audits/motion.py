@@ -406,13 +406,11 @@ def _nearly_again(runs: Runs, marks: Floats, said: Bools, at_their_own_speed: bo
     if known.sum() < 3:
         return
     usual, n = float(np.quantile(distance[known], 0.75)), runs.n_frames
-    near = (
-        known
-        & (n >= MIN_FRAMES)
-        & (distance < _NEAR * np.minimum(usual, _motion(marks)))
-        & ((distance > 0) | (n != n[neighbour]))
+    near = np.flatnonzero(
+        known & (n >= MIN_FRAMES) & (distance < _NEAR * usual) & ((distance > 0) | (n != n[neighbour]))
     )
-    both = {tuple(sorted((run, int(neighbour[run])))) for run in np.flatnonzero(near).tolist()}
+    near = near[distance[near] < _NEAR * _motion(marks, near)] if len(near) else near
+    both = {tuple(sorted((run, int(neighbour[run])))) for run in near.tolist()}
     if pairs := sorted(pair for pair in both if not said[pair[1]]):
         one, other = pairs[0]
         speed = f" {n[other] / n[one]:.2f} times as long," if at_their_own_speed else ""
@@ -475,11 +473,11 @@ def _nearest(marks: Floats) -> tuple[Floats, Ints]:
     return np.where(np.isfinite(distance), distance, np.nan)[back], neighbour[back]
 
 
-def _motion(marks: Floats) -> Floats:
-    """Return how far each demonstration goes, in spreads of its columns, as a root mean square."""
+def _motion(marks: Floats, rows: Ints) -> Floats:
+    """Return how far some demonstrations go, in spreads of their columns, as a root mean square."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # a mark beyond the end of all of them
-        spread, own = np.nanstd(marks, axis=(0, 1)), np.nanstd(marks, axis=1)
+        spread, own = np.nanstd(marks, axis=(0, 1)), np.nanstd(marks[rows], axis=1)
     motion: Floats = np.sqrt(np.square(own[:, spread > 0] / spread[spread > 0]).mean(axis=1))
     return motion
 

@@ -217,8 +217,9 @@ def _prints(columns: Sequence[Floats]) -> NDArray[np.uint64]:
     """Return a number for each row, the same for the same numbers; of 0 there are two, which differ in a bit."""
     prints = np.zeros(len(columns[0]), dtype=np.uint64)
     for column in columns:
-        prints = (prints ^ (column + 0.0).view(np.uint64)) * _MIXER
-        prints = prints ^ (prints >> np.uint64(32))
+        prints ^= (column + 0.0).view(np.uint64)
+        prints *= _MIXER
+        prints ^= prints >> np.uint64(32)
     return prints
 
 
