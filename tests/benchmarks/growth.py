@@ -216,10 +216,8 @@ def measure(only: list[str], scratch: Path, n_frames: int, runs: int) -> Iterato
     if "episodes" in only:
         root, targets = grow(scratch / "episodes", 32, 6_250), {"polars": 0.6, "DuckDB": 0.6}
         targets |= {"pq.read_table": 0.8, "leanest pyarrow": 2}
-        bare = {
-            name: [sys.executable, "-c", code]
-            for name, code in (("pq.read_table", READ_TABLE), ("leanest pyarrow", LEANEST))
-        }
+        bare = {"pq.read_table": [sys.executable, "-c", READ_TABLE]}
+        bare |= {"leanest pyarrow": [sys.executable, "-c", LEANEST]}
         yield from compare("200,000 episodes", root, inspect | bare | polars | duckdb, targets, runs)
     if "metadata" in only:
         root = grow(scratch / "metadata", 8, 125_000, length=2, in_a_group=125_000)
