@@ -239,3 +239,27 @@ def test_a_split_without_an_episode_is_a_note(tmp_path):
     write(replace(make("so101", 0), info={"splits": {"train": "0:12", "test": "12:12"}}), tmp_path / "dataset")
     [finding] = [each for each in z2r.audit(tmp_path / "dataset").findings if each.check == "splits"]
     assert (finding.severity, finding.field) == ("note", "splits.test")
+
+
+@pytest.mark.parametrize(("by", "named"), [(30, False), (150, True)])
+def test_a_gripper_that_springs_back_as_far_as_it_steps_lost_no_sample(by, named, tmp_path):
+    recording, rng = make("so101", 0), np.random.default_rng(0)
+    for number, own in enumerate(recording.episodes):
+        n = len(own[TASK])
+        own[STATE][:, GRIPPER] = np.where(np.arange(n) // 60 % 2, 80, 50) + rng.normal(0, 0.1, n)
+        own[STATE][30, GRIPPER] -= by * (number in (1, 4, 6))
+    said = [each for each in found(recording, tmp_path / "dataset", "jump") if "its usual step" in each.found]
+    assert bool(said) == named
+
+
+def test_noise_of_one_column_of_a_quaternion_is_how_it_lies(tmp_path):
+    """Where it is nearly unturned, the columns that are near 0 have all the noise, and the one near 1 has none."""
+    recording, rng = make("so101", 0), np.random.default_rng(0)
+    names = recording.names | {STATE: [*POS, "qx", "qy", "qz", "qw"]}
+    for number, own in enumerate(recording.episodes):
+        n = len(own[TASK])
+        lies = np.linspace(0, 0.4, n) * (1 + number) / len(recording.episodes) + rng.normal(0, 0.004, n)
+        shakes = np.sin(0.02 + 0.4 * number) * rng.normal(0, 0.004, n)
+        turn = np.stack([shakes, np.sin(lies), 0 * lies, np.cos(lies)], axis=1)
+        own[STATE] = np.concatenate([own[STATE], turn / np.linalg.norm(turn, axis=1, keepdims=True)], axis=1)
+    assert not found(replace(recording, names=names), tmp_path / "dataset", "noise")

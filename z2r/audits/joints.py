@@ -43,6 +43,7 @@ _ALWAYS_BESIDE = 0.1  # of a joint's range
 _DRIFTING, _STEADILY = 8, 0.8  # episodes at least, and of the variance of how far it is beside
 _DEAD = 0.02  # of its command
 _COPIED = 0.1  # of the frames in which a command changes
+_STANDS, _OFTEN, _LEAPS = 0.3, 0.4, 0.02  # of the frames in which its command moves; of all; of its range
 _STRAY = 8  # times as far beside its command as the others stray
 _BESIDE = 0.06  # of a joint's range
 _FAR_BESIDE = 0.09  # of a joint's range
@@ -218,6 +219,24 @@ def no_joint_is_late(joints: Joints) -> Iterator[Answer]:
         yield Fault(
             DATA_DIR, joints.pairs[pair].command, found, expected, "Is it slower than they, or is its clock another?"
         )
+
+
+@LATE.of(Joints)
+def no_joint_alone_comes_first(joints: Joints) -> Iterator[Answer]:
+    """Does a joint go before it is told to, again and again, where others go after it? A grip may hide how well."""
+    runs, usual = joints.runs, joints.usual
+    after = (joints.follows & (runs.least > 0) & (runs.explained > _WELL)).sum(axis=1) > 1
+    wrong = joints.follows & (runs.kind == 0) & (runs.lag <= -_FRAMES) & (runs.most < 0)
+    wrong &= after[:, None] & (runs.explained <= _WELL)  # of what follows better, the others tell
+    wrong &= wrong.sum(axis=0) > 1
+    others = float(np.nanmedian(np.where(usual["explained"] > _WELL, usual["lag"], np.nan))) if wrong.any() else 0.0
+
+    def said(run: int, pair: int) -> tuple[str, str, str]:
+        found = f"what {joints.pairs[pair].name} does {_frames(runs.lag[run, pair])}"
+        mend = "A joint cannot move before it is told to: was its command recorded late, or by another clock?"
+        return found, f"what it does about {others:.0f} frames after it, as of the other joints", mend
+
+    yield from _told(joints, wrong, said)
 
 
 UNIT = Check("unit", "a joint is measured in the unit, with the sign and from the zero of its command", "warning")
@@ -410,6 +429,30 @@ def both_turn_alike(joints: Joints) -> Iterator[Answer]:
             yield _in_episodes(turning, joints.number[wrong[:, pair]], "a whole turn in one step", expected, mend)
 
 
+@Check("stick", "a joint moves as smoothly as its command", "note").of(Joints)
+def no_joint_sticks(joints: Joints) -> Iterator[Answer]:
+    """Does a joint stand exactly still in most frames and then leap, while its command and other joints go smoothly?"""
+    moved, n = joints.moved, joints.runs.n[:, None]
+    if not joints.pairs or STATE not in moved.steps or ACTION not in moved.steps:
+        return
+    seen, asked = (moved.steps[name] for name in (STATE, ACTION))
+    usual = np.median(seen.moves / n, axis=1)  # a sensor that is read more seldom stands still in all columns
+    for pair in joints.pairs:
+        if pair.feature != STATE or is_gripper(pair.name):
+            continue
+        goes, told = seen.moves[:, pair.column], asked.moves[:, pair.dim]
+        leap = seen.path[:, pair.column] / np.maximum(goes, 1)
+        wrong = (goes < _STANDS * told) & (goes > 1) & (told > _OFTEN * n[:, 0]) & (goes < usual * n[:, 0] / 2)
+        wrong &= (leap > _LEAPS * moved.spans(STATE)[pair.column]) & (joints.runs.n >= MIN_FRAMES)
+        if wrong.any():
+            run = int(np.where(wrong, leap, 0).argmax())
+            still = 1 - goes[run] / joints.runs.n[run]
+            found = f"the same number again in {still:.0%} of the frames, and leaps of about {leap[run]:.3g} in between"
+            mend = "Does the joint stick and slip, or is its sensor stuck, or read too seldom? Look at it"
+            expected = f"motion as smooth as that of {pair.command}, which changes in {told[run] / n[run, 0]:.0%}"
+            yield _in_episodes(pair.name, joints.number[wrong], found, expected, mend)
+
+
 FOLLOW = Check("follow", "a joint follows its command in every episode, if it does in most", "warning")
 
 
@@ -490,6 +533,11 @@ def commands_are_no_copies(joints: Joints) -> Iterator[Answer]:
         if usual > 1 - _COPIED and copies is runs.copied:
             mend = "A policy learns to stay where it is: the command was not recorded"
             yield Fault(DATA_DIR, ACTION, f"{STATE} {what}, bit for bit", "a command, which comes before it", mend)
+        if usual > 1 - _COPIED and copies is runs.foretold:
+            found = f"the action of the frame before, bit for bit, in {usual:.0%} of the frames in which that changes"
+            mend = "Is the action made of the next state, as many do? Else the state is an echo of the command, which "
+            mend += "nobody measured: it says nothing of a load, a grip or a lag"
+            yield "note", Fault(DATA_DIR, STATE, found, "a measurement, which differs from what it was told", mend)
         wrong = (least > _COPIED) & (usual < _COPIED / 3)
         if wrong.any():
             numbers = joints.number[moves][wrong]
@@ -584,7 +632,7 @@ def _if_many(wrong: Bools, judged: Bools) -> str:
     n, others = int(wrong.sum()), int((judged & ~wrong).sum())
     return (
         f". It is {n} episodes against {others}: which of them are right, the data does not say"
-        if n >= _MANY * others
+        if others and n >= _MANY * others
         else ""
     )
 
