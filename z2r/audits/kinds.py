@@ -50,16 +50,17 @@ def columns_mean_the_same_everywhere(runs: Runs) -> Iterator[Answer]:
             kinds = _two_kinds(of_column, (stats.high - stats.low)[:, column])
             if kinds and share_a_task(runs, kinds.few):
                 together.setdefault(kinds.few.tobytes(), []).append((column_label(name, feature, column), kinds))
-    for found in together.values():
-        label, kinds = max(found, key=lambda each: each[1].clearly)
-        labels = [label, *(each for each, _ in found if each != label)]
+    for alike in together.values():
+        label, kinds = max(alike, key=lambda each: each[1].clearly)
+        labels = [label, *(each for each, _ in alike if each != label)]
         number, others = (tuple(dict.fromkeys(runs.number[each].tolist())) for each in (kinds.few, ~kinds.few))
         place = f"{some(labels)} in {episodes_named(number)}"
         expected = f"about {kinds.there:.3g}, as in {episodes_named(others)}"
         mend = "They differ, and nothing lies between. Is it another unit, scale, offset, order or convention there? "
         mend += "Make both alike"
+        found = f"a {kinds.what}{' of the first' if len(labels) > 1 else ''} of about {kinds.here:.3g}"
         whose = number if len(number) < len(others) else ()  # of as many, nobody knows which are the odd ones
-        yield Fault(DATA_DIR, place, f"a {kinds.what} of {label} of about {kinds.here:.3g}", expected, mend, whose)
+        yield Fault(DATA_DIR, place, found, expected, mend, whose)
 
 
 def _two_kinds(sums: dict[str, Floats], spans: Floats) -> _Kinds | None:
