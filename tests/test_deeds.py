@@ -321,6 +321,18 @@ def test_a_gripper_that_goes_before_it_is_told_is_named(by, named, tmp_path):
     assert [f"action[{POS[GRIPPER]}]" in each.field and len(each.episodes) > 4 for each in told] == [True] * named
 
 
+@pytest.mark.parametrize(("play", "named"), [(12.0, True), (0.5, False)])
+def test_a_joint_with_play_in_some_episodes_is_named(play, named, tmp_path):
+    recording = make("so101", 0)
+    for episode in (2, 5, 6):
+        state = recording.episodes[episode][STATE][:, 1]
+        held = state[0]
+        for frame, free in enumerate(state.tolist()):
+            held = state[frame] = min(max(held, free - play / 2), free + play / 2)
+    said = found(recording, tmp_path / "dataset", "play")
+    assert [(each.severity, each.episodes) for each in said] == [("note", (2, 5, 6))] * named
+
+
 @pytest.mark.parametrize(("stands", "named"), [(12.0, True), (0.0, False)])
 def test_a_joint_that_sticks_and_slips_is_named(stands, named, tmp_path):
     recording = make("so101", 0)

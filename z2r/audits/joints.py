@@ -15,7 +15,7 @@ import numpy as np
 
 from z2r.arrays import Bools, Floats, Ints
 from z2r.audits.following import MIN_FRAMES, Following, Pair
-from z2r.audits.motion import LEAP, NOISE_A_FRAME
+from z2r.audits.motion import LEAP, NOISE_A_FRAME, parted
 from z2r.audits.runs import Runs
 from z2r.audits.values import JUMP
 from z2r.check import Answer, Check
@@ -44,6 +44,8 @@ _DRIFTING, _STEADILY = 8, 0.8  # episodes at least, and of the variance of how f
 _DEAD = 0.02  # of its command
 _COPIED = 0.1  # of the frames in which a command changes
 _STANDS, _OFTEN, _LEAPS = 0.3, 0.4, 0.02  # of the frames in which its command moves; of all; of its range
+_PLAY, _PLAYS_APART = 0.03, 2  # of its range, and times as far as the episodes of one kind are from each other
+_SURELY_SOLVED = 1e-6  # so that what stands still can be solved for, too
 _STRAY = 8  # times as far beside its command as the others stray
 _BESIDE = 0.06  # of a joint's range
 _FAR_BESIDE = 0.09  # of a joint's range
@@ -451,6 +453,50 @@ def no_joint_sticks(joints: Joints) -> Iterator[Answer]:
             mend = "Does the joint stick and slip, or is its sensor stuck, or read too seldom? Look at it"
             expected = f"motion as smooth as that of {pair.command}, which changes in {told[run] / n[run, 0]:.0%}"
             yield _in_episodes(pair.name, joints.number[wrong], found, expected, mend)
+
+
+@Check("play", "a joint stays behind its command by as much on its way up as on its way down", "note").of(Joints)
+def no_joint_has_more_play(joints: Joints) -> Iterator[Answer]:
+    """Is a joint, in some episodes, farther behind where it turns round than its speed explains? A gear has play so."""
+    known = joints.followed & (joints.usual["kind"] == 0) & ~joints.grips & (joints.usual["explained"] > _WELL)
+    for pair in np.flatnonzero(known).tolist() if len(joints.number) > 1 else ():
+        play = _play(joints, pair)
+        told = np.flatnonzero(np.isfinite(play))
+        if len(told) < 2:
+            continue
+        few, gap, spread = parted(play[told])
+        usual, more = sorted((told[few], np.delete(told, few)), key=lambda each: float(np.median(play[each])))
+        if gap < max(_PLAY * joints.ranges[pair], _PLAYS_APART * spread) or len(more) > len(usual):
+            continue  # where most have much, nothing is known of the others
+        wrong = np.isin(np.arange(len(play)), more)
+        found = f"{2 * np.median(play[more]):.3g} between its ways up and down, beyond what its speed explains"
+        mend = "Has a gear or a horn come loose, or is it held back? Look at the joint"
+        mend += _if_many(wrong, np.isfinite(play))
+        expected = f"about {2 * np.median(play[usual]):.2g}, as in the other episodes"
+        yield _in_episodes(joints.pairs[pair].name, joints.number[wrong], found, expected, mend)
+
+
+def _play(joints: Joints, pair: int) -> Floats:
+    """Fit how far a joint is behind to how fast its command goes and to which way it goes: what the way alone makes.
+
+    Returns
+    -------
+    ndarray, float64[n_runs]
+        In units of the command, half of what is between both ways; NaN where no moments are kept.
+    """
+    where, moved = joints.pairs[pair], joints.moved
+    asked = moved.moments_of(ACTION)[..., where.dim].astype(np.float64)  # (n_runs, n_moments, 2)
+    seen = joints.usual["factor"][pair] * moved.moments_of(where.feature)[..., where.column].astype(np.float64)
+    play, n_moments = np.full(len(joints.number), np.nan), asked.shape[1]
+    known = np.isfinite(asked).all(axis=(1, 2)) & np.isfinite(seen).all(axis=(1, 2)) & joints.judged[:, pair]
+    if not n_moments or not known.any():
+        return play
+    asked, seen = asked[known] / joints.ranges[pair], seen[known] / joints.ranges[pair]
+    terms = np.stack([np.ones(asked.shape[:2]), asked[:, :, 1], np.sign(seen[:, :, 1])], axis=2)
+    products = np.swapaxes(terms, 1, 2) @ terms + _SURELY_SOLVED * np.eye(3)
+    behind = np.swapaxes(terms, 1, 2) @ (asked[:, :, :1] - seen[:, :, :1])
+    play[known] = joints.ranges[pair] * np.linalg.solve(products, behind)[:, 2, 0]
+    return play
 
 
 FOLLOW = Check("follow", "a joint follows its command in every episode, if it does in most", "warning")
