@@ -53,22 +53,6 @@ def no_name_is_misspelt(claims: Claims) -> Iterator[Answer]:
             yield "warning", Fault(INFO_PATH, f"features.{reading.feature}.names", close, name, mend)
 
 
-@Check("robot-type", "the robot that is named has as many arms as the names of its state", "note").of(Claims)
-def robot_has_the_arms_of_its_state(claims: Claims) -> Iterator[Answer]:
-    """Does the name of a robot say one arm, and those of its state two, or the reverse?"""
-    kind, state = claims.schema.robot_type, claims.schema.features.get(STATE)
-    names = state.dim_names if state else ()
-    if not isinstance(kind, str) or not names:
-        return
-    is_two = re.match("aloha|bi_", kind.lower())
-    is_one = re.match("so10[01]|koch", kind.lower()) and not re.search("bi|dual|two", kind.lower())
-    arms = {side for side in ("left", "right") for name in names if re.match(rf"{side}(?![a-z])", name.lower())}
-    if (is_one and len(arms) == 2) or (is_two and not arms and len(names) <= _MOTORS):
-        found = f"{kind!r}, which has {'one arm' if is_one else 'two arms'}"
-        expected = f"the robot whose state has the columns {some([*names])}"
-        yield Fault(INFO_PATH, "robot_type", found, expected, "Was it left from another recording? Name the robot")
-
-
 @Check("version", "the dataset is of format v3", "error").of(NoSchema)
 def version(dataset: NoSchema) -> Iterator[Answer]:
     """Is it of a version that can be read?"""
@@ -200,6 +184,22 @@ def totals(claims: Claims) -> Iterator[Answer]:
     stated, tasks = claims.stored.stated.value.total_tasks, claims.stored.task_numbers
     if stated is not None and tasks is not None and stated != len(tasks):
         yield Fault(INFO_PATH, "total_tasks", stated, f"{len(tasks)}, the number of rows of meta/tasks.parquet")
+
+
+@Check("robot-type", "the robot that is named has as many arms as the names of its state", "note").of(Claims)
+def robot_has_the_arms_of_its_state(claims: Claims) -> Iterator[Answer]:
+    """Does the name of a robot say one arm, and those of its state two, or the reverse?"""
+    kind, state = claims.schema.robot_type, claims.schema.features.get(STATE)
+    names = state.dim_names if state else ()
+    if not isinstance(kind, str) or not names:
+        return
+    is_two = re.match("aloha|bi_", kind.lower())
+    is_one = re.match("so10[01]|koch", kind.lower()) and not re.search("bi|dual|two", kind.lower())
+    arms = {side for side in ("left", "right") for name in names if re.match(rf"{side}(?![a-z])", name.lower())}
+    if (is_one and len(arms) == 2) or (is_two and not arms and len(names) <= _MOTORS):
+        found = f"{kind!r}, which has {'one arm' if is_one else 'two arms'}"
+        expected = f"the robot whose state has the columns {some([*names])}"
+        yield Fault(INFO_PATH, "robot_type", found, expected, "Was it left from another recording? Name the robot")
 
 
 def _dtype_faults(name: str, feature: Feature) -> Iterator[Answer]:
