@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from arms import ACTION, POS, STATE, TASK, Operator, Recording, make, so101, write
-from healthy import LEFT_BOX, RIGHT_BOX
+from healthy import LEFT_BOX, RIGHT_BOX, write_healthy
 from test_scales import found
 
 import z2r
@@ -331,6 +331,11 @@ def test_a_joint_with_play_in_some_episodes_is_named(play, named, tmp_path):
             held = state[frame] = min(max(held, free - play / 2), free + play / 2)
     said = found(recording, tmp_path / "dataset", "play")
     assert [(each.severity, each.episodes) for each in said] == [("note", (2, 5, 6))] * named
+
+
+def test_an_angle_that_goes_on_at_the_other_end_has_no_play(tmp_path):
+    write_healthy("turning", tmp_path / "dataset")
+    assert "play" not in {each.check for each in z2r.audit(tmp_path / "dataset").findings}
 
 
 @pytest.mark.parametrize(("stands", "named"), [(12.0, True), (0.0, False)])

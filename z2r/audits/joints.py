@@ -489,6 +489,7 @@ def _play(joints: Joints, pair: int) -> Floats:
     seen = joints.usual["factor"][pair] * moved.moments_of(where.feature)[..., where.column].astype(np.float64)
     play, n_moments = np.full(len(joints.number), np.nan), asked.shape[1]
     known = np.isfinite(asked).all(axis=(1, 2)) & np.isfinite(seen).all(axis=(1, 2)) & joints.judged[:, pair]
+    known &= (joints.runs.turns_asked + joints.runs.turns_seen)[:, pair] == 0  # what leaps by a turn is far behind
     if not n_moments or not known.any():
         return play
     asked, seen = asked[known] / joints.ranges[pair], seen[known] / joints.ranges[pair]
