@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from arms import ACTION, POS, STATE, TASK, Operator, Recording, make, so101, write
-from healthy import LEFT_BOX, RIGHT_BOX
+from healthy import LEFT_BOX, RIGHT_BOX, write_healthy
 from test_scales import found
 
 import z2r
@@ -239,3 +239,141 @@ def test_a_split_without_an_episode_is_a_note(tmp_path):
     write(replace(make("so101", 0), info={"splits": {"train": "0:12", "test": "12:12"}}), tmp_path / "dataset")
     [finding] = [each for each in z2r.audit(tmp_path / "dataset").findings if each.check == "splits"]
     assert (finding.severity, finding.field) == ("note", "splits.test")
+
+
+@pytest.mark.parametrize(("by", "named"), [(30, False), (150, True)])
+def test_a_gripper_that_springs_back_as_far_as_it_steps_lost_no_sample(by, named, tmp_path):
+    recording, rng = make("so101", 0), np.random.default_rng(0)
+    for number, own in enumerate(recording.episodes):
+        n = len(own[TASK])
+        own[STATE][:, GRIPPER] = np.where(np.arange(n) // 60 % 2, 80, 50) + rng.normal(0, 0.1, n)
+        own[STATE][30, GRIPPER] -= by * (number in (1, 4, 6))
+    said = [each for each in found(recording, tmp_path / "dataset", "jump") if "its usual step" in each.found]
+    assert bool(said) == named
+
+
+def test_noise_of_one_column_of_a_quaternion_is_how_it_lies(tmp_path):
+    """What turns about one axis shakes in other columns than what turns about another."""
+    recording, rng = make("so101", 0), np.random.default_rng(0)
+    names = recording.names | {STATE: [*POS, "qx", "qy", "qz", "qw"]}
+    for number, own in enumerate(recording.episodes):
+        n = len(own[TASK])
+        lies = np.linspace(0.1, 0.4, n) + rng.normal(0, 0.004, n)
+        x = 0.05 * np.sin(np.arange(n) / 20) + rng.normal(0, 0.003 if number in (2, 7) else 0.0004, n)
+        turn = np.stack([x, np.sin(lies), 0 * lies, np.cos(lies)], axis=1)
+        own[STATE] = np.concatenate([own[STATE], turn / np.linalg.norm(turn, axis=1, keepdims=True)], axis=1)
+    assert not found(replace(recording, names=names), tmp_path / "dataset", "noise")
+
+
+@pytest.mark.parametrize(
+    ("episodes", "said"), [((1, 3, 4), (1, 3, 4)), ((0, 2, 5, 6, 7, 9), ()), ((4,), None), ((), None)]
+)
+def test_a_column_of_two_kinds_is_a_note(episodes, said, tmp_path):
+    recording, rng = make("so101", 0), np.random.default_rng(0)
+    recording = replace(recording, names=recording.names | {IMU: ("ax", "ay", "az")})
+    for number, own in enumerate(recording.episodes):
+        own[IMU] = rng.normal((0.1, 0, 9.81), 0.3, (len(own[TASK]), 3))
+        own[IMU][:, 1:] -= (5, 9.81) if number in episodes else (0, 0)
+    findings = found(recording, tmp_path / "dataset", "two-kinds")
+    assert [(each.severity, each.episodes) for each in findings] == ([] if said is None else [("note", said)])
+    if said:
+        assert f"{IMU}[az], {IMU}[ay] in episodes 1, 3, 4" in findings[0].field
+        assert "9.8" in findings[0].expected
+
+
+def test_two_kinds_that_the_tasks_explain_are_none(tmp_path):
+    recording, rng = boxes(), np.random.default_rng(0)
+    recording = replace(recording, names=recording.names | {IMU: ("weight",)})
+    for own in recording.episodes:
+        own[IMU] = rng.normal(9 * own[TASK][0], 0.3, (len(own[TASK]), 1))
+    assert not found(recording, tmp_path / "dataset", "two-kinds")
+
+
+def test_a_state_that_echoes_its_command_is_a_note(tmp_path):
+    recording = make("so101", 0)
+    for own in recording.episodes:
+        own[STATE][1:] = own[ACTION][:-1]
+    [finding] = found(recording, tmp_path / "dataset", "command")
+    assert (finding.severity, finding.field) == ("note", STATE)
+    assert "the action of the frame before, bit for bit, in 100%" in finding.found
+
+
+@pytest.mark.parametrize("episodes", [(3,), range(12)])
+def test_commands_on_a_coarse_grid_are_named(episodes, tmp_path):
+    recording = make("so101", 0)
+    for episode in episodes:
+        own = recording.episodes[episode]
+        own[ACTION][:, :3] = np.round(own[ACTION][:, :3] / 3.5) * 3.5
+    [finding] = found(recording, tmp_path / "dataset", "resolution")
+    assert (finding.severity, finding.episodes) == ("note", tuple(episodes))
+    assert "multiples of 3.5" in finding.found
+
+
+@pytest.mark.parametrize(("by", "named"), [(12, True), (0, False)])
+def test_a_gripper_that_goes_before_it_is_told_is_named(by, named, tmp_path):
+    recording = make("so101", 0)
+    for own in recording.episodes:
+        asked, seen = own[ACTION][:, GRIPPER], own[STATE][:, GRIPPER]
+        seen[:] = np.maximum(seen, np.quantile(seen, 0.6))  # held back by what it grips
+        asked[by:] = asked[: len(asked) - by].copy()
+    said = found(recording, tmp_path / "dataset", "late")
+    told = [each for each in said if "as of the other joints" in each.expected]
+    assert [f"action[{POS[GRIPPER]}]" in each.field and len(each.episodes) > 4 for each in told] == [True] * named
+
+
+@pytest.mark.parametrize(("play", "named"), [(12.0, True), (0.5, False)])
+def test_a_joint_with_play_in_some_episodes_is_named(play, named, tmp_path):
+    recording = make("so101", 0)
+    for episode in (2, 5, 6):
+        state = recording.episodes[episode][STATE][:, 1]
+        held = state[0]
+        for frame, free in enumerate(state.tolist()):
+            held = state[frame] = min(max(held, free - play / 2), free + play / 2)
+    said = found(recording, tmp_path / "dataset", "play")
+    assert [(each.severity, each.episodes) for each in said] == [("note", (2, 5, 6))] * named
+
+
+def test_an_angle_that_goes_on_at_the_other_end_has_no_play(tmp_path):
+    write_healthy("turning", tmp_path / "dataset")
+    assert "play" not in {each.check for each in z2r.audit(tmp_path / "dataset").findings}
+
+
+@pytest.mark.parametrize(("stands", "named"), [(12.0, True), (0.0, False)])
+def test_a_joint_that_sticks_and_slips_is_named(stands, named, tmp_path):
+    recording = make("so101", 0)
+    for episode in (2, 5):
+        state = recording.episodes[episode][STATE][:, 1]
+        for frame in range(1, len(state)):
+            if abs(state[frame] - state[frame - 1]) < stands:
+                state[frame] = state[frame - 1]
+    said = found(recording, tmp_path / "dataset", "stick")
+    assert [(each.severity, each.episodes) for each in said] == [("note", (2, 5))] * named
+
+
+@pytest.mark.parametrize(
+    ("kind", "named"), [("so101_follower", True), ("bi_so101_follower", False), ("aloha", False), ("other", False)]
+)
+def test_a_robot_with_too_few_arms_is_a_note(kind, named, tmp_path):
+    recording = make("so101", 0)
+    names = [f"{side}_{joint}" for side in ("left", "right") for joint in ("waist", "elbow", "gripper")]
+    both = replace(recording, names=recording.names | {STATE: names, ACTION: names}, info={"robot_type": kind})
+    assert [each.severity for each in found(both, tmp_path / "dataset", "robot-type")] == ["note"] * named
+
+
+@pytest.mark.parametrize(("kind", "named"), [("so101_follower", False), ("aloha", True), ("bi_koch", True)])
+def test_a_robot_with_too_many_arms_is_a_note(kind, named, tmp_path):
+    recording = replace(make("so101", 0), info={"robot_type": kind})
+    assert [each.severity for each in found(recording, tmp_path / "dataset", "robot-type")] == ["note"] * named
+
+
+@pytest.mark.parametrize(("turned", "named"), [((), False), ((1, 2, 6), True)])
+def test_a_speed_is_held_against_the_speed_of_its_name(turned, named, tmp_path):
+    recording = make("so101", 0)
+    names = ["x", "y", "vx", "vy"]
+    for number, own in enumerate(recording.episodes):
+        speeds = 0.01 * own[STATE][:, :2]
+        own[ACTION] = 0.01 * own[ACTION][:, :2] * (-1 if number in turned else 1)
+        own[STATE] = np.concatenate([np.cumsum(speeds, axis=0) / 30, speeds], axis=1)
+    base = replace(recording, names=recording.names | {STATE: names, ACTION: ["vx_cmd", "vy_cmd"]})
+    said = [each for each in found(base, tmp_path / "dataset", "unit") if each.severity == "warning"]
+    assert any("vx" in each.found and each.episodes == turned for each in said) == named

@@ -82,6 +82,36 @@ def test_a_text_that_says_nothing_is_a_note(text, says, standin_copy):
     assert [(each.check, each.severity) for each in wrong_in(z2r.audit(standin_copy))] == [("task-typo", "note")] * says
 
 
+@pytest.mark.parametrize(
+    ("text", "check"),
+    [
+        ("push the {object} onto it", "task-typo"),
+        ("push the <shape> onto it", "task-typo"),
+        ("push the %s onto it", "task-typo"),
+        ("push 5 % of it for < 3 s and > 1 s", None),
+        ("push it (dropped it, redo!)", "task-remark"),
+        ("push it - BAD TAKE, delete", "task-remark"),
+        ("push it failed", "task-remark"),
+        ("press delete, and discard the bad apple (the red one)", None),
+        ("push-and-fail-safe it", None),
+        ("Schiebe den WÃ¼rfel", "task-encoding"),
+        ("Schiebe den Würfel à côté", None),
+        ("推动方块", None),
+    ],
+)
+def test_what_is_no_instruction_in_a_text_is_named(text, check, standin_copy):
+    set_tasks(standin_copy, PUSH, text, of_episode={2: 1})
+    assert [each.check for each in wrong_in(z2r.audit(standin_copy))] == [check] * (check is not None)
+
+
+def test_a_text_read_in_another_encoding_is_mended_by_the_line(standin_copy, monkeypatch):
+    set_tasks(standin_copy, PUSH, "Wünsch dir “was”".encode().decode("cp1252", "replace"), of_episode={2: 1})
+    assert not found(standin_copy, "task-encoding")  # a sign was lost: nobody knows what it was
+    set_tasks(standin_copy, PUSH, "Würfel".encode().decode("latin-1"), of_episode={2: 1})
+    obey(line_of(one(standin_copy, "task-encoding")), monkeypatch)
+    assert {task.task for task in z2r.inspect_dataset(standin_copy).about.tasks} == {PUSH, "Würfel"}
+
+
 @pytest.mark.parametrize("texts", [(PUSH, PUSH), (PUSH, PUSH.upper()), (PUSH, " ")])
 def test_the_line_that_is_printed_mends_a_text(texts, standin_copy, monkeypatch):
     set_tasks(standin_copy, *texts, of_episode={2: 1})

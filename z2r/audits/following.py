@@ -147,12 +147,14 @@ def _kin(
     --------
     >>> [*_kin(["hand_vx", "w_cmd", "y"], ["hand_x", "y", "w"], {2}, {1})]
     [(0, 0), (1, 2)]
+    >>> [*_kin(["cmd_vx"], ["x", "vx"], set(), set())]
+    [(0, 1)]
     """
     stems = [_stem(name) for name in columns]
     for dim, command in enumerate(commands):
         said = _stem(command)
-        alike = said, _without_motion(said)
-        kin = [column for column, stem in enumerate(stems) if stem in alike]
+        same = [column for column, stem in enumerate(stems) if stem == said]  # `vx_cmd` is of `vx`, if there is one
+        kin = same or [column for column, stem in enumerate(stems) if stem == _without_motion(said)]
         if dim not in named and len(kin) == 1 and kin[0] not in taken:
             yield dim, kin[0]
 

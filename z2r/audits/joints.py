@@ -15,7 +15,7 @@ import numpy as np
 
 from z2r.arrays import Bools, Floats, Ints
 from z2r.audits.following import MIN_FRAMES, Following, Pair
-from z2r.audits.motion import LEAP, NOISE_A_FRAME
+from z2r.audits.motion import LEAP, NOISE_A_FRAME, parted
 from z2r.audits.runs import Runs
 from z2r.audits.values import JUMP
 from z2r.check import Answer, Check
@@ -43,6 +43,9 @@ _ALWAYS_BESIDE = 0.1  # of a joint's range
 _DRIFTING, _STEADILY = 8, 0.8  # episodes at least, and of the variance of how far it is beside
 _DEAD = 0.02  # of its command
 _COPIED = 0.1  # of the frames in which a command changes
+_STANDS, _OFTEN, _LEAPS = 0.3, 0.4, 0.02  # of the frames in which its command moves; of all; of its range
+_PLAY, _PLAYS_APART = 0.03, 2  # of its range, and times as far as the episodes of one kind are from each other
+_SURELY_SOLVED = 1e-6  # so that what stands still can be solved for, too
 _STRAY = 8  # times as far beside its command as the others stray
 _BESIDE = 0.06  # of a joint's range
 _FAR_BESIDE = 0.09  # of a joint's range
@@ -218,6 +221,24 @@ def no_joint_is_late(joints: Joints) -> Iterator[Answer]:
         yield Fault(
             DATA_DIR, joints.pairs[pair].command, found, expected, "Is it slower than they, or is its clock another?"
         )
+
+
+@LATE.of(Joints)
+def no_joint_alone_comes_first(joints: Joints) -> Iterator[Answer]:
+    """Does a joint go before it is told to, again and again, where others go after it? A grip may hide how well."""
+    runs, usual = joints.runs, joints.usual
+    after = (joints.follows & (runs.least > 0) & (runs.explained > _WELL)).sum(axis=1) > 1
+    wrong = joints.follows & (runs.kind == 0) & (runs.lag <= -_FRAMES) & (runs.most < 0)
+    wrong &= after[:, None] & (runs.explained <= _WELL)  # of what follows better, the others tell
+    wrong &= wrong.sum(axis=0) > 1
+    others = float(np.nanmedian(np.where(usual["explained"] > _WELL, usual["lag"], np.nan))) if wrong.any() else 0.0
+
+    def said(run: int, pair: int) -> tuple[str, str, str]:
+        found = f"what {joints.pairs[pair].name} does {_frames(runs.lag[run, pair])}"
+        mend = "A joint cannot move before it is told to: was its command recorded late, or by another clock?"
+        return found, f"what it does about {others:.0f} frames after it, as of the other joints", mend
+
+    yield from _told(joints, wrong, said)
 
 
 UNIT = Check("unit", "a joint is measured in the unit, with the sign and from the zero of its command", "warning")
@@ -410,6 +431,75 @@ def both_turn_alike(joints: Joints) -> Iterator[Answer]:
             yield _in_episodes(turning, joints.number[wrong[:, pair]], "a whole turn in one step", expected, mend)
 
 
+@Check("stick", "a joint moves as smoothly as its command", "note").of(Joints)
+def no_joint_sticks(joints: Joints) -> Iterator[Answer]:
+    """Does a joint stand exactly still in most frames and then leap, while its command and other joints go smoothly?"""
+    moved, n = joints.moved, joints.runs.n[:, None]
+    if not joints.pairs or STATE not in moved.steps or ACTION not in moved.steps:
+        return
+    seen, asked = (moved.steps[name] for name in (STATE, ACTION))
+    usual = np.median(seen.moves / n, axis=1)  # a sensor that is read more seldom stands still in all columns
+    for pair in joints.pairs:
+        if pair.feature != STATE or is_gripper(pair.name):
+            continue
+        goes, told = seen.moves[:, pair.column], asked.moves[:, pair.dim]
+        leap = seen.path[:, pair.column] / np.maximum(goes, 1)
+        wrong = (goes < _STANDS * told) & (goes > 1) & (told > _OFTEN * n[:, 0]) & (goes < usual * n[:, 0] / 2)
+        wrong &= (leap > _LEAPS * moved.spans(STATE)[pair.column]) & (joints.runs.n >= MIN_FRAMES)
+        if wrong.any():
+            run = int(np.where(wrong, leap, 0).argmax())
+            still = 1 - goes[run] / joints.runs.n[run]
+            found = f"the same number again in {still:.0%} of the frames, and leaps of about {leap[run]:.3g} in between"
+            mend = "Does the joint stick and slip, or is its sensor stuck, or read too seldom? Look at it"
+            expected = f"motion as smooth as that of {pair.command}, which changes in {told[run] / n[run, 0]:.0%}"
+            yield _in_episodes(pair.name, joints.number[wrong], found, expected, mend)
+
+
+@Check("play", "a joint stays behind its command by as much on its way up as on its way down", "note").of(Joints)
+def no_joint_has_more_play(joints: Joints) -> Iterator[Answer]:
+    """Is a joint, in some episodes, farther behind where it turns round than its speed explains? A gear has play so."""
+    known = joints.followed & (joints.usual["kind"] == 0) & ~joints.grips & (joints.usual["explained"] > _WELL)
+    for pair in np.flatnonzero(known).tolist() if len(joints.number) > 1 else ():
+        play = _play(joints, pair)
+        told = np.flatnonzero(np.isfinite(play))
+        if len(told) < 2:
+            continue
+        few, gap, spread = parted(play[told])
+        usual, more = sorted((told[few], np.delete(told, few)), key=lambda each: float(np.median(play[each])))
+        if gap < max(_PLAY * joints.ranges[pair], _PLAYS_APART * spread) or len(more) > len(usual):
+            continue  # where most have much, nothing is known of the others
+        wrong = np.isin(np.arange(len(play)), more)
+        found = f"{2 * np.median(play[more]):.3g} between its ways up and down, beyond what its speed explains"
+        mend = "Has a gear or a horn come loose, or is it held back? Look at the joint"
+        mend += _if_many(wrong, np.isfinite(play))
+        expected = f"about {2 * np.median(play[usual]):.2g}, as in the other episodes"
+        yield _in_episodes(joints.pairs[pair].name, joints.number[wrong], found, expected, mend)
+
+
+def _play(joints: Joints, pair: int) -> Floats:
+    """Fit how far a joint is behind to how fast its command goes and to which way it goes: what the way alone makes.
+
+    Returns
+    -------
+    ndarray, float64[n_runs]
+        In units of the command, half of what is between both ways; NaN where no moments are kept.
+    """
+    where, moved = joints.pairs[pair], joints.moved
+    asked = moved.moments_of(ACTION)[..., where.dim].astype(np.float64)  # (n_runs, n_moments, 2)
+    seen = joints.usual["factor"][pair] * moved.moments_of(where.feature)[..., where.column].astype(np.float64)
+    play, n_moments = np.full(len(joints.number), np.nan), asked.shape[1]
+    known = np.isfinite(asked).all(axis=(1, 2)) & np.isfinite(seen).all(axis=(1, 2)) & joints.judged[:, pair]
+    known &= (joints.runs.turns_asked + joints.runs.turns_seen)[:, pair] == 0  # what leaps by a turn is far behind
+    if not n_moments or not known.any():
+        return play
+    asked, seen = asked[known] / joints.ranges[pair], seen[known] / joints.ranges[pair]
+    terms = np.stack([np.ones(asked.shape[:2]), asked[:, :, 1], np.sign(seen[:, :, 1])], axis=2)
+    products = np.swapaxes(terms, 1, 2) @ terms + _SURELY_SOLVED * np.eye(3)
+    behind = np.swapaxes(terms, 1, 2) @ (asked[:, :, :1] - seen[:, :, :1])
+    play[known] = joints.ranges[pair] * np.linalg.solve(products, behind)[:, 2, 0]
+    return play
+
+
 FOLLOW = Check("follow", "a joint follows its command in every episode, if it does in most", "warning")
 
 
@@ -490,6 +580,11 @@ def commands_are_no_copies(joints: Joints) -> Iterator[Answer]:
         if usual > 1 - _COPIED and copies is runs.copied:
             mend = "A policy learns to stay where it is: the command was not recorded"
             yield Fault(DATA_DIR, ACTION, f"{STATE} {what}, bit for bit", "a command, which comes before it", mend)
+        if usual > 1 - _COPIED and copies is runs.foretold:
+            found = f"the action of the frame before, bit for bit, in {usual:.0%} of the frames in which that changes"
+            mend = "Is the action made of the next state, as many do? Else the state is an echo of the command, which "
+            mend += "nobody measured: it says nothing of a load, a grip or a lag"
+            yield "note", Fault(DATA_DIR, STATE, found, "a measurement, which differs from what it was told", mend)
         wrong = (least > _COPIED) & (usual < _COPIED / 3)
         if wrong.any():
             numbers = joints.number[moves][wrong]
@@ -584,7 +679,7 @@ def _if_many(wrong: Bools, judged: Bools) -> str:
     n, others = int(wrong.sum()), int((judged & ~wrong).sum())
     return (
         f". It is {n} episodes against {others}: which of them are right, the data does not say"
-        if n >= _MANY * others
+        if others and n >= _MANY * others
         else ""
     )
 

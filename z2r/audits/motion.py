@@ -16,6 +16,7 @@ from z2r.errors import Fault, count
 from z2r.format.episodes import DATA_DIR
 from z2r.format.rules import and_more, episodes_of
 from z2r.format.schema import ACTION, STATE, column_label
+from z2r.reading.joints import is_gripper
 from z2r.reading.stored import episodes_named
 
 _LEAP = 20  # times the mean step of its own episode: a joint that starts or stops suddenly comes to half of it
@@ -26,6 +27,7 @@ _SHARE = 0.05  # of a column's range
 _SELDOM = 0.1  # of the frames
 _MOST = 0.8  # of the episodes
 _END = 3  # frames
+_LETS_GO = 1.5  # times the step in which a gripper opens or closes: as far it springs back from what it lets go
 _STALL = 6  # times the steps thereafter
 _NOISE = 3  # times the usual standard deviation
 NOISE_A_FRAME = 3.57  # what third differences of white noise come to, on average: sqrt(20 * 2 / pi)
@@ -35,6 +37,8 @@ _REPEATED = 0.25  # of the frames: half of them, where a sensor is read at half 
 _SOME_REPEATED, _FEW_REPEATED = 0.04, 0.01  # of the frames, where the other episodes have few
 _ALIKE_REPEATED = 0.08  # of the frames, of the state and of the action
 _STEPS, _TICKS = 3, 1000  # through which a column goes
+_LEVELS = 8, 100  # in which a column stands
+_SAME_LEVEL, _OFF_LEVEL = 1e-5, 0.01  # of its range, and of a step
 _IDLE = 0.05  # of the usual motion
 _HOMES = 8  # episodes, from which one can be told to begin elsewhere
 _HOMES_APART = 6  # times as far as the episodes of one place are from each other
@@ -101,6 +105,7 @@ def nothing_leaps_and_comes_back(runs: Runs) -> Iterator[Answer]:
         spike, largest, continuous = runs.stats[name].spike, runs.stats[name].step, _continuous(runs, name)
         ratio = _leap_ratio(runs, name) * np.divide(spike, largest, out=np.zeros_like(spike), where=spike > 0)
         wrong = (ratio > _LEAP) & (spike > _SHARE * runs.spans(name)) & continuous & ~is_a_turn(spike, runs.spans(name))
+        wrong &= ~_is_grip(runs, name) | (spike > _LETS_GO * _quarter(largest))
         if name == ACTION:  # a policy may well say what no robot can do
             wrong &= (_quarter(ratio) < _SMOOTH) & (ratio > 1.5 * _LEAP)
         if wrong.any():
@@ -162,10 +167,12 @@ def no_episode_is_noisier(runs: Runs) -> Iterator[Answer]:
     long = (runs.n_frames >= MIN_FRAMES)[:, None]
     for name, steps in runs.steps.items() if long.any() else ():
         size = steps.noise / (NOISE_A_FRAME * runs.n_frames[:, None])
+        for turn in quaternions(runs.claims.schema.features[name]):  # how it lies says which of the four shakes
+            size[:, turn] = np.sqrt(np.square(size[:, turn]).sum(axis=1, keepdims=True))
         moves = long & (steps.path > _MOVES * _median(steps.path))  # at rest, a sensor is quieter than in motion
         usual = _quarter_of(size, moves)
         with np.errstate(divide="ignore", invalid="ignore"):
-            rough = np.nan_to_num(size * runs.n_frames[:, None] / steps.path)
+            rough = np.nan_to_num(size * runs.n_frames[:, None] / steps.path, posinf=0)
         wrong = long & (size > _NOISE * usual) & (usual > 0) & (size > _TICK * runs.spans(name))
         wrong &= _quarter(_leap_ratio(runs, name)) < _SMOOTH
         wrong &= steps.repeated < _SOME_REPEATED * runs.n_frames[:, None]
@@ -218,22 +225,56 @@ def frames_come_evenly(runs: Runs) -> Iterator[Answer]:
         yield "note", _fault(runs, f"{STATE} and {ACTION}", wrong, found, "new values in every frame", mend)
 
 
-@Check("resolution", "what moves is stored more finely than in whole numbers", "note").of(Runs)
-def nothing_is_rounded_to_whole_numbers(runs: Runs) -> Iterator[Answer]:
-    """Is all of a state or an action whole numbers, as if of a type that has no others? In some episodes, or in all."""
+@Check("resolution", "what moves is stored more finely than in whole numbers, or in steps as coarse", "note").of(Runs)
+def nothing_is_rounded(runs: Runs) -> Iterator[Answer]:
+    """Is all of a state or an action whole numbers, or multiples of a coarse step? In some episodes, or in all."""
     for name in (each for each in (STATE, ACTION) if each in runs.steps):
         span, feature = runs.spans(name), runs.claims.schema.features[name]
-        moves = (span > _STEPS) & (span < _TICKS)  # fewer are switches, and more are what an encoder counts
-        values = runs.moments_of(name)[:, :, 0, moves]
-        if moves.sum() < 2 or not values.size or not feature.dtype.startswith("float"):
+        values = runs.moments_of(name)[:, :, 0].astype(np.float64)
+        if not values.size or not feature.dtype.startswith("float"):
             continue
-        wrong: Bools = (values == np.round(values)).all(axis=(1, 2))
-        if wrong.any() and not (wrong.all() and name == ACTION):  # keys, or a policy, may well give such commands
-            where = "" if wrong.all() else f" in {_named(runs, wrong)}"
+        moves = (span > _STEPS) & (span < _TICKS)  # fewer are switches, and more are what an encoder counts
+        whole: Bools = (values == np.round(values))[:, :, moves].all(axis=(1, 2)) & (moves.sum() > 1)
+        steps = _coarse_steps(values, span)  # (n_runs, size)
+        coarse: Bools = (steps > 0).sum(axis=1) > 1
+        if whole.any() and not (whole.all() and name == ACTION):  # keys, or a policy, may well give such commands
             found = f"whole numbers only in {count(int(moves.sum()), 'column')}, at all moments that were looked at"
-            expected = "numbers as fine as the sensors are" if wrong.all() else "finer ones, as in the other episodes"
             mend = "Was it cast to integers on the way? Small motion is lost"
-            yield _fault(runs, f"{name}{where}", wrong, found, expected, mend)
+            yield _rounded(runs, name, whole, found, mend)
+        elif coarse.any() and not whole.any():
+            run, column = _worst(steps > 0, steps / np.where(span > 0, span, 1))
+            found = (
+                f"nothing but multiples of {steps[run, column]:.3g} in {feature.labels[column]}, which goes through "
+            )
+            found += f"{span[column]:.3g}, and so in {count(int((steps[run] > 0).sum()) - 1, 'more column')}"
+            mend = "Was it rounded or truncated, perhaps in another unit? Small motion is lost"
+            yield _rounded(runs, name, coarse, found, mend)
+
+
+def _rounded(runs: Runs, name: str, wrong: Bools, found: str, mend: str) -> Fault:
+    where = "" if wrong.all() else f" in {_named(runs, wrong)}"
+    expected = "numbers as fine as the sensors are" if wrong.all() else "finer ones, as in the other episodes"
+    return _fault(runs, f"{name}{where}", wrong, found, expected, mend)
+
+
+def _coarse_steps(values: Floats, span: Floats) -> Floats:
+    """Find the step of which all values are multiples, (n_runs, n_moments, size): (n_runs, size); 0 where none is.
+
+    Values of fewer than eight levels are a switch or keys; more than a hundred are fine enough.
+
+    Examples
+    --------
+    >>> values = np.arange(0, 40, 2.0)[None, :, None]
+    >>> _coarse_steps(values, np.array([40.0])).tolist(), _coarse_steps(values**1.1, np.array([40.0])).tolist()
+    ([[2.0]], [[0.0]])
+    """
+    gaps = np.diff(np.sort(values, axis=1), axis=1)
+    apart = gaps > _SAME_LEVEL * span
+    steps = np.where(apart, gaps, np.inf).min(axis=1)
+    few = (apart.sum(axis=1) < _LEVELS[0] - 1) | (steps * _LEVELS[1] < span) | ~np.isfinite(steps)
+    times = values / np.where(few, 1, steps)[:, None]
+    found: Floats = np.where(few | (np.abs(times - np.round(times)).max(axis=1) > _OFF_LEVEL), 0, steps)
+    return found
 
 
 @Check("idle-episode", "something happens in every episode", "warning").of(Runs)
@@ -495,6 +536,11 @@ def _continuous(runs: Runs, name: str) -> Bools:
     """Say of each column whether it moves in many frames: what seldom changes is a switch, and may leap."""
     continuous: Bools = (runs.spans(name) > 0) & (_median(runs.steps[name].moves / runs.n_frames[:, None]) > _SELDOM)
     return continuous
+
+
+def _is_grip(runs: Runs, name: str) -> Bools:
+    """Say of each column whether it is called a gripper, bool[size]."""
+    return np.array([is_gripper(label) for label in runs.claims.schema.features[name].labels], dtype=bool)
 
 
 def _quarter(values: Floats) -> Floats:

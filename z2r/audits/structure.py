@@ -1,5 +1,6 @@
 """Is the dataset whole? The files that must be there, their columns, and the totals that `meta/info.json` states."""
 
+import re
 from collections.abc import Iterator
 from difflib import get_close_matches
 from pathlib import Path
@@ -13,8 +14,10 @@ from z2r.errors import Fault, count, some
 from z2r.format import rules
 from z2r.format.episodes import EPISODES_DIR
 from z2r.format.names import in_a_row, repeated
-from z2r.format.schema import BOOKKEEPING, INFO_PATH, Feature
+from z2r.format.schema import BOOKKEEPING, INFO_PATH, STATE, Feature
 from z2r.format.tables import TASKS_PATH
+
+_MOTORS = 8  # of one arm and its gripper, at most
 
 INFO = Check("info", "meta/info.json is there, and every field in it is what it should be", "error")
 
@@ -181,6 +184,22 @@ def totals(claims: Claims) -> Iterator[Answer]:
     stated, tasks = claims.stored.stated.value.total_tasks, claims.stored.task_numbers
     if stated is not None and tasks is not None and stated != len(tasks):
         yield Fault(INFO_PATH, "total_tasks", stated, f"{len(tasks)}, the number of rows of meta/tasks.parquet")
+
+
+@Check("robot-type", "the robot that is named has as many arms as the names of its state", "note").of(Claims)
+def robot_has_the_arms_of_its_state(claims: Claims) -> Iterator[Answer]:
+    """Does the name of a robot say one arm, and those of its state two, or the reverse?"""
+    kind, state = claims.schema.robot_type, claims.schema.features.get(STATE)
+    names = state.dim_names if state else ()
+    if not isinstance(kind, str) or not names:
+        return
+    is_two = re.match("aloha|bi_", kind.lower())
+    is_one = re.match("so10[01]|koch", kind.lower()) and not re.search("bi|dual|two", kind.lower())
+    arms = {side for side in ("left", "right") for name in names if re.match(rf"{side}(?![a-z])", name.lower())}
+    if (is_one and len(arms) == 2) or (is_two and not arms and len(names) <= _MOTORS):
+        found = f"{kind!r}, which has {'one arm' if is_one else 'two arms'}"
+        expected = f"the robot whose state has the columns {some([*names])}"
+        yield Fault(INFO_PATH, "robot_type", found, expected, "Was it left from another recording? Name the robot")
 
 
 def _dtype_faults(name: str, feature: Feature) -> Iterator[Answer]:

@@ -26,6 +26,9 @@ _MAX_COMPARED = 200  # texts, each with each
 # What is typed where something must be, once signs and numbers are left out.
 _SAYS_NOTHING = {"abc", "asdf", "debug", "default", "demo", "dummy", "example", "foo", "my task", "n a", "new task"}
 _SAYS_NOTHING |= {"none", "null", "placeholder", "sample", "task", "tbd", "test", "testing", "todo", "unknown", "xxx"}
+_FIELD = r"\{\w*\}|\$\w+|<[A-Za-z_]+>|(?<![\d%])%s"  # what a template leaves open
+_OF_A_TAKE = r"\b(bad|failed|failure|fail|redo|retake|delete|discard|do not use|don't use|unusable|dropped it|oops)\b"
+_REMARK = rf"[(\[][^)\]]*{_OF_A_TAKE}|\s[-\u2013\u2014]+\s.*{_OF_A_TAKE}|\s(failed|redo|retake|bad take|do not use)\W*$"
 _SLIP = 0.93  # alike
 _SLIP_OF_A_WORD = 0.75
 _MAX_TEXT = 60  # characters of a text that are shown
@@ -55,7 +58,9 @@ def task_text(claims: Claims) -> Iterator[Answer]:
             yield severity, Fault(TASKS_PATH, f"task {number[row]}", found, expected, mend)
 
 
-@Check("task-typo", "no text of a task is left from an example, or nearly that of another task", "note").of(Claims)
+@Check("task-typo", "no text of a task is left from an example or a template, or nearly that of another", "note").of(
+    Claims
+)
 def task_typo(claims: Claims) -> Iterator[Answer]:
     """Is a text a placeholder, or so near to another one that it may be a slip of the pen?"""
     tasks = claims.stored.tasks.value
@@ -64,6 +69,10 @@ def task_typo(claims: Claims) -> Iterator[Answer]:
     for number, text in zip(tasks.number.tolist(), tasks.text, strict=True):
         if re.fullmatch(r"\s*[<\[{].*[>\]}]\s*", text) or _without_signs(text) in _SAYS_NOTHING:
             yield Fault(TASKS_PATH, f"task {number}", _shown(text), "what the robot is to do")
+        elif field := re.search(_FIELD, text):
+            mend = "Was a template never filled in? A policy learns the name of the field as a word"
+            expected = f"a word in the place of {field[0]}"
+            yield Fault(TASKS_PATH, f"task {number}", _shown(text), expected, mend)
     if len(tasks.text) > _MAX_COMPARED:
         return
     for row, text in enumerate(tasks.text):
@@ -71,6 +80,51 @@ def task_typo(claims: Claims) -> Iterator[Answer]:
             if _is_a_slip(text, tasks.text[other]):
                 expected = f"the same as task {tasks.number[other]}, {_shown(tasks.text[other])}, or a text of its own"
                 yield Fault(TASKS_PATH, f"task {tasks.number[row]}", _shown(text), expected, "Is one of them misspelt?")
+
+
+@Check("task-remark", "the text of a task is no place for what was thought of a take", "note").of(Claims)
+def task_remark(claims: Claims) -> Iterator[Answer]:
+    """Does a text say of an episode that it failed or is to be left out, in brackets, after a dash, or as its end?"""
+    tasks = claims.stored.tasks.value
+    if tasks is None:
+        return
+    said = [(row, text) for row, text in enumerate(tasks.text) if re.search(_REMARK, text, re.IGNORECASE)]
+    if said:
+        row, text = said[0]
+        found = f"{_shown(text)}{and_more(len(said))}"
+        mend = (
+            "Somebody meant to leave these episodes out: do so, or take the remark out of the text. A policy reads it"
+        )
+        yield Fault(TASKS_PATH, f"task {tasks.number[row]}", found, "what the robot is to do, and no more", mend)
+
+
+@Check("task-encoding", "every letter of a task is the one that was typed", "warning").of(Claims)
+def task_encoding(claims: Claims) -> Iterator[Answer]:
+    """Was a text written as UTF-8 and read as Latin-1 or Windows-1252? Then two signs stand for a letter."""
+    tasks = claims.stored.tasks.value
+    if tasks is None:
+        return
+    meant = {text: right for text in tasks.text if (right := _read_as_utf8(text)) != text}
+    if meant:
+        text, right = next(iter(meant.items()))
+        mend = "It was read in another encoding than it was written in. Mend it, "
+        mend += f"{_IN_PLACE}: {edit.replace_tasks(claims.root, meant)}"
+        place, found = f"task {tasks.number[tasks.text.index(text)]}", f"{_shown(text)}{and_more(len(meant))}"
+        yield Fault(TASKS_PATH, place, found, _shown(right), mend)
+
+
+def _read_as_utf8(text: str) -> str:
+    """Return what a text says that was read as Windows-1252 or Latin-1; the text itself where it was not.
+
+    >>> _read_as_utf8("WÃ¼rfel"), _read_as_utf8("Würfel"), _read_as_utf8("cube")
+    ('Würfel', 'Würfel', 'cube')
+    """
+    for encoding in ("cp1252", "latin-1"):
+        try:
+            return text.encode(encoding).decode()
+        except UnicodeError:
+            continue
+    return text
 
 
 def _without_signs(text: str) -> str:
