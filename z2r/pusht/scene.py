@@ -32,7 +32,7 @@ class PushTScene:
         return PARTS
 
     def fold(
-        self, decoded: Decoded, base: int, episodes: EpisodeIndex, fps: float, before: Decoded | None
+        self, decoded: Decoded, base: int, episodes: EpisodeIndex, fps: float, before: Decoded | None = None
     ) -> PushTSums | None:
         """Sum up the frames of a block of a data file."""
         return fold_block(decoded, base, episodes, fps, before)

@@ -69,7 +69,9 @@ class Scene(Protocol):
     @property
     def checks(self) -> "tuple[Part[SceneSums], ...]": ...  # noqa: D102
 
-    def fold(self, decoded: Decoded, base: int, episodes: EpisodeIndex, fps: float, before: Decoded | None) -> Any:
+    def fold(
+        self, decoded: Decoded, base: int, episodes: EpisodeIndex, fps: float, before: Decoded | None = None
+    ) -> Any:
         """Sum up the frames of a data file, or of a block of one; None where an action is missing.
 
         Parameters
