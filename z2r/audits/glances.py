@@ -99,7 +99,7 @@ class Glance(NamedTuple):
     view : ndarray, uint8[12, 16, 3]
         What is there most of the time: the median of all of them, in RGB.
     still : ndarray, uint8[48, 64]
-        The same of brightness, and not as small.
+        The same of brightness and of a third of them, and not as small.
     signs : Signs
         How they are made.
     """
@@ -248,7 +248,7 @@ def _evenly(numbers: Ints) -> Ints:
 
 def _glance(frame: Floats, numbers: Ints, pictures: Mapping[int, Small]) -> Glance:
     colours = np.stack([pictures[number].colours for number in numbers.tolist()]).astype(np.float32)  # (n, 48, 64, 3)
-    seen, scaled = colours @ _BRIGHTNESS, colours / 255  # (n, 48, 64), (n, 48, 64, 3)
+    seen = colours @ _BRIGHTNESS  # (n, 48, 64)
     first = [number for number in numbers[::_EACH].tolist() if {number + 1, number + 2} <= pictures.keys()]
     rows = [[pictures[number + ahead].colours for ahead in range(3)] for number in first]
     threes = np.array(rows, dtype=np.float32).reshape(-1, 3, *colours.shape[1:])
@@ -256,6 +256,7 @@ def _glance(frame: Floats, numbers: Ints, pictures: Mapping[int, Small]) -> Glan
     bright, (one, two, three) = _as_bright(seen), np.moveaxis(_as_bright(in_a_row), 1, 0)
     level = in_a_row.mean(axis=(2, 3), dtype=np.float64)
     apart = np.abs(np.diff(seen, axis=0))
+    pixels = colours[::_EACH].reshape(-1, 3) / 255
     n, height, width = seen.shape
     prints = seen[(_PRINTS * (n - 1)).round().astype(np.int64)].reshape(-1, height // 2, 2, width // 2, 2)
     quarters = colours.reshape(n, height // 4, 4, width // 4, 4, 3).mean(axis=(2, 4))
@@ -271,11 +272,11 @@ def _glance(frame: Floats, numbers: Ints, pictures: Mapping[int, Small]) -> Glan
         swing=np.abs(level[:, 1] - level[:, ::2].mean(axis=1)),
         far=_apart(bright[:-1], bright[1:]),
         across=_apart(bright[: n - n // 2], bright[n // 2 :]),
-        colours=np.stack([(scaled**power).mean(axis=(0, 1, 2), dtype=np.float64) for power in (1, 2)]),
+        colours=np.stack([each.mean(axis=0, dtype=np.float64) for each in (pixels, np.square(pixels))]),
         prints=prints.mean(axis=(2, 4)).round().astype(np.uint8),
         cells=bright.reshape(n, height // 8, 8, width // 8, 8).mean(axis=(2, 4)).reshape(n, -1).astype(np.float16),
         view=np.median(quarters, axis=0).round().astype(np.uint8),
-        still=np.median(seen, axis=0).round().astype(np.uint8),
+        still=np.median(seen[::_EACH], axis=0).round().astype(np.uint8),
         signs=signs_of([pictures[number] for number in numbers.tolist()], colours, seen),
     )
 

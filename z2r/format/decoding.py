@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from z2r.arrays import Array, Floats, Ints
+from z2r.arrays import Array, Ints
 from z2r.errors import DatasetError, Fault, MissingExtraError
 from z2r.format.images import format_of, read_pictures
 from z2r.format.mp4 import VideoIndex
@@ -29,7 +29,7 @@ _MOMENT = 1e-6  # s
 _AT_ONCE = 2**21  # bytes of a video that is far away: a decoder asks for little, and then for what comes next
 _DECODERS = {"jpeg": "mjpeg"}  # of the formats whose decoder has another name
 _ROWS = 8  # of a picture, of which one is looked at in its full size
-_PARTS = (4, 6)  # rows and columns of parts of a picture
+_PARTS = 8  # of a row
 
 
 class Small(NamedTuple):
@@ -42,15 +42,15 @@ class Small(NamedTuple):
     grain : float
         How far each pixel is from the next, as a root mean square, in standard deviations of the picture: about 1.4
         where each is by chance, little where the picture is blurred.
-    sharpness : ndarray, float32[4, 6]
-        How far a pixel is from the next one on average, in each part of the picture; its mean brightness is 1.
+    sharpness : float
+        How far a pixel is from the next one on average, in a part of a row as most are, beside the mean brightness.
     comb : tuple of float
         How far a row is from the middle of the two around it, and these from each other, both squared.
     """
 
     colours: NDArray[np.uint8]
     grain: float
-    sharpness: Floats
+    sharpness: float
     comb: tuple[float, float]
 
 
@@ -294,18 +294,17 @@ def _small(frame: "av.VideoFrame", reformatter: "VideoReformatter") -> Small:
     return Small(
         colours=small.astype(np.uint8, copy=False),
         grain=float(steps.std() / max(rows.std(), 1)),
-        sharpness=_means(np.abs(steps)) / max(float(rows.mean()), 1),
+        sharpness=float(np.median(_means(np.abs(steps))) / max(rows.mean(), 1)),
         comb=_comb(bright),
     )
 
 
-def _means(values: Floats) -> Floats:
-    """Return the mean of each part of values (height, width)."""
-    for axis, n_parts in enumerate(_PARTS):
-        edges = np.linspace(0, values.shape[axis], n_parts, endpoint=False).astype(np.int64)
-        sizes = np.diff(np.append(edges, values.shape[axis])).clip(1)
-        values = np.add.reduceat(values, edges, axis=axis) / np.expand_dims(sizes, 1 - axis)
-    return values
+def _means(steps: Array) -> Array:
+    """Return the mean of each part of each row."""
+    n_rows, width = steps.shape
+    n_parts = min(_PARTS, width)
+    means: Array = steps[:, : width // n_parts * n_parts].reshape(n_rows, n_parts, -1).mean(axis=2)
+    return means
 
 
 def _comb(bright: Array) -> tuple[float, float]:
