@@ -30,7 +30,7 @@ class Signs(NamedTuple):
     Attributes
     ----------
     sharpness : float
-        How far a pixel is from the next one, in a part of a row as most are: a logarithm.
+        How far a pixel is from the next one, in a part of the picture as most are: a logarithm.
     rows : float
         How far a row is from the two around it, beside how far these are from each other: a logarithm.
     contrast : float

@@ -29,7 +29,7 @@ _MOMENT = 1e-6  # s
 _AT_ONCE = 2**21  # bytes of a video that is far away: a decoder asks for little, and then for what comes next
 _DECODERS = {"jpeg": "mjpeg"}  # of the formats whose decoder has another name
 _ROWS = 8  # of a picture, of which one is looked at in its full size
-_PARTS = 8  # of a row
+_PARTS = (4, 8)  # of a picture: rows and columns of them
 
 
 class Small(NamedTuple):
@@ -43,7 +43,7 @@ class Small(NamedTuple):
         How far each pixel is from the next, as a root mean square, in standard deviations of the picture: about 1.4
         where each is by chance, little where the picture is blurred.
     sharpness : float
-        How far a pixel is from the next one on average, in a part of a row as most are, beside the mean brightness.
+        How far a pixel is from the next one on average, in a part as most are, beside the mean brightness.
     comb : tuple of float
         How far a row is from the middle of the two around it, and these from each other, both squared.
     """
@@ -300,10 +300,10 @@ def _small(frame: "av.VideoFrame", reformatter: "VideoReformatter") -> Small:
 
 
 def _means(steps: Array) -> Array:
-    """Return the mean of each part of each row."""
-    n_rows, width = steps.shape
-    n_parts = min(_PARTS, width)
-    means: Array = steps[:, : width // n_parts * n_parts].reshape(n_rows, n_parts, -1).mean(axis=2)
+    """Return the mean of each part of the picture, as far as they are of one size."""
+    height, width = (max(size // n_parts, 1) for size, n_parts in zip(steps.shape, _PARTS, strict=True))
+    down, along = steps.shape[0] // height, steps.shape[1] // width
+    means: Array = steps[: down * height, : along * width].reshape(down, height, along, width).mean(axis=(1, 3))
     return means
 
 
