@@ -5,7 +5,7 @@ lie far apart, or that the camera sinks bit by bit: nobody sees that in one epis
 """
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,8 @@ _FITS = 1.3  # times as well as where they belong
 _TINY = 1e-3
 _BALANCED = 0.01  # what a ratio of red to blue swings by in any case
 _DRIFTS, _STEADILY, _SEEN = 2.0, 0.95, 0.15  # cells of 48 or 64; a correlation with the order; and of both pictures
+
+type _Pictures = NDArray[np.floating[Any]]
 
 
 class Signs(NamedTuple):
@@ -104,7 +106,7 @@ class Parted(NamedTuple):
     its: float
 
 
-def signs_of(smalls: Sequence[Small], colours: Array, seen: Array) -> Signs:
+def signs_of(smalls: Sequence[Small], colours: _Pictures, seen: _Pictures) -> Signs:
     """Return the signs of an episode.
 
     Parameters
@@ -129,7 +131,7 @@ def signs_of(smalls: Sequence[Small], colours: Array, seen: Array) -> Signs:
     )
 
 
-def _correlations(some: Floats, others: Floats) -> Floats:
+def _correlations(some: _Pictures, others: _Pictures) -> Floats:
     """Return the correlation of each picture of some (n, height, width) with that of others."""
     one, other = (each - each.mean(axis=(1, 2), keepdims=True) for each in (some, others))
     sizes = np.sqrt(np.square(one).sum(axis=(1, 2)) * np.square(other).sum(axis=(1, 2)))
@@ -137,7 +139,7 @@ def _correlations(some: Floats, others: Floats) -> Floats:
     return correlations
 
 
-def _beside(edges: Floats, of_colour: Floats) -> int:
+def _beside(edges: _Pictures, of_colour: _Pictures) -> int:
     """Return by how many columns edges must be shifted, to fit those of colour far better: (n, height, width)."""
     shifts, width = range(-_SHIFTS, _SHIFTS + 1), edges.shape[2]
     inside = of_colour[..., _SHIFTS:-_SHIFTS]

@@ -299,11 +299,13 @@ def _small(frame: "av.VideoFrame", reformatter: "VideoReformatter") -> Small:
     )
 
 
-def _means(steps: Array) -> Array:
+def _means(steps: NDArray[np.float32]) -> NDArray[np.float32]:
     """Return the mean of each part of the picture, as far as they are of one size."""
     height, width = (max(size // n_parts, 1) for size, n_parts in zip(steps.shape, _PARTS, strict=True))
     down, along = steps.shape[0] // height, steps.shape[1] // width
-    means: Array = steps[: down * height, : along * width].reshape(down, height, along, width).mean(axis=(1, 3))
+    means: NDArray[np.float32] = (
+        steps[: down * height, : along * width].reshape(down, height, along, width).mean(axis=(1, 3))
+    )
     return means
 
 
