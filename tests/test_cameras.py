@@ -61,6 +61,8 @@ from test_audit import said
 import z2r
 from z2r.audits import cameras, pictures
 from z2r.audits.findings import AUDIT, Finding
+from z2r.audits.signs import Signs, parted
+from z2r.audits.together import Take, fit
 from z2r.check import parts_in
 from z2r.cli import main
 from z2r.format import decoding, mp4
@@ -768,6 +770,32 @@ def smeared(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarra
         yield np.concatenate([picture[:row], np.repeat(255 - picture[row - 1 : row], SIZE[0] - row, axis=0)])
 
 
+def hunting_for_white(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
+    """A white balance that goes from red to blue and back."""
+    for frame, picture in enumerate(film(camera, episode, states)):
+        yield np.clip(picture * (1 + 0.2 * np.sin(frame / 3) * np.array([1, 0, -1])), 0, 255).astype(np.uint8)
+
+
+def sinking(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
+    """A camera whose mount gives way."""
+    return (np.roll(picture, episode, 0) for picture in film(camera, episode, states))
+
+
+def interlaced(picture: np.ndarray) -> np.ndarray:
+    return np.where(np.arange(SIZE[0])[:, None, None] % 2, np.roll(picture, 3, 1), picture)
+
+
+def with_colours_beside(picture: np.ndarray) -> np.ndarray:
+    bright = picture @ [0.299, 0.587, 0.114]
+    return np.clip(bright[..., None] + np.roll(picture - bright[..., None], 5, 1), 0, 255)
+
+
+def denoised(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
+    """A table with a texture, which is smoothed away in some episodes."""
+    texture = np.random.default_rng(0).normal(0, 8, (*SIZE, 1)) * (episode not in (1, 3, 5))
+    return (np.clip(picture + texture, 0, 255).astype(np.uint8) for picture in film(camera, episode, states))
+
+
 TURNED = changed(lambda picture: picture[::-1, ::-1])
 COVERED = changed(lambda picture: np.where(np.arange(SIZE[0])[:, None, None] < SIZE[0] // 3, 8, picture))
 ONE, ODD = r"in episode 3: found pictures ", r"in episodes 1, 3, 5: found pictures "
@@ -794,9 +822,22 @@ SORTS = {
     "some covered": (only(COVERED, 0, 1, 2, 4, 6), "in episodes 0, 1, 2, 4, 6: found pictures black in 3"),
     "moved": (only(changed(lambda picture: np.roll(picture, 20, 1)), 3), ONE + "of something else, compared with"),
 }
+MADE = {
+    "two views side by side": (
+        only(changed(lambda picture: np.concatenate([picture[:, ::2]] * 2, 1)), 1, 3, 5),
+        ODD + r"with two halves with a correlation of 1, where episodes 0, 2, 4, 6, 7 have",
+    ),
+    "colours beside": (only(changed(with_colours_beside), 1, 3, 5), ODD + "with colours beside their edges"),
+    "a white balance that hunts": (only(hunting_for_white, 1, 3, 5), ODD + "with a ratio of red to blue that swings"),
+    "black is grey": (only(changed(lambda picture: 40 + 0.6 * picture), 1, 3, 5), ODD + "with a contrast of 0"),
+    "interlaced": (only(changed(interlaced), 1, 3, 5), ODD + "with rows that differ from those around them"),
+    "a texture that is smoothed away": (denoised, ODD + "with a sharpness of"),
+    "sinking": (sinking, "found what stands still moved by 10% of the height, bit by bit"),
+}
 SEEN = {
     **{kind: (wrong, "camera-unlike", "warning", says) for kind, (wrong, says) in UNLIKE.items()},
     **{kind: (wrong, "camera-unlike", "note", says) for kind, (wrong, says) in SORTS.items()},
+    **{kind: (wrong, "camera-quality", "note", says) for kind, (wrong, says) in MADE.items()},
     "noise in some": (only(snow, 1, 2, 3, 4), "camera-flat", "warning", "in episode 1: found noise.*and 3 more"),
     "flashes": (only(flashes, 3), "camera-flat", "warning", "in episode 3: found one colour, .* in 2 of .* frame 20"),
     "of both cameras in turn": (
@@ -884,7 +925,7 @@ def test_what_decoded_pictures_show_is_named(kind, root):
     shoot(root, SIDE, wrong)
     audit = z2r.audit(root, pictures=True)
     [finding] = [each for each in of_cameras(audit) if (each.check, each.severity) == (check, severity)]
-    assert re.search(f"{SIDE} {says}", str(finding)), said(audit)
+    assert re.search(f"{SIDE}:? {says}", str(finding)), said(audit)
     assert all(each.severity == "note" for each in of_cameras(audit) if each != finding), said(audit)
     assert "--pictures" not in str(finding) + "".join(audit.not_checked)
 
@@ -941,6 +982,31 @@ def test_statistics_of_another_camera_are_named_where_pictures_are_decoded(root)
     [finding] = [each for each in z2r.audit(root, pictures=True).findings if each.check == "stats"]
     assert (finding.field, finding.found) == (f"{SIDE}.mean", "0.20 0.80 0.40")
     assert not [each for each in z2r.audit(root).findings if each.check == "stats"]
+
+
+def test_a_standard_deviation_of_something_else_than_pixels_is_named(root):
+    path = root / "meta" / "stats.json"
+    with_stats = json.loads(path.read_text()) | {FRONT: {"std": [[[0.006]]] * 3}, SIDE: {"std": [[[0.15]]] * 3}}
+    path.write_text(json.dumps(with_stats))
+    [finding] = [each for each in z2r.audit(root, pictures=True).findings if each.check == "stats"]
+    assert (finding.field, finding.found, finding.severity) == (f"{FRONT}.std", "0.006 0.006 0.006", "warning")
+
+
+def test_what_goes_with_the_task_is_no_other_kind_of_picture():
+    pictures_of_two_kinds = {row: Signs(0.0, 0.0, 0.2 + 0.6 * (row % 2), 0.0, 0.0, 0.0) for row in range(8)}
+    [each] = parted(pictures_of_two_kinds, tasks=dict.fromkeys(range(8), 0))
+    assert each.some.tolist() == [0, 2, 4, 6]  # of as many, those with less contrast
+    assert not parted(pictures_of_two_kinds, tasks={row: row % 2 for row in range(8)})
+
+
+def test_pictures_are_not_held_against_a_robot_that_is_where_it_never_was():
+    rng, times = np.random.default_rng(0), np.arange(60) / 10
+    places = np.sin(np.cumsum(rng.normal(0, 0.4, size=(8, 60, 2)), axis=1))
+    seen = np.tanh(places @ rng.normal(size=(2, 5)))
+    takes = {number: Take(seen[number], times, places[number], times) for number in range(8)}
+    wrong = np.roll(seen[4], 30, axis=0)
+    assert fit(takes | {4: Take(wrong, times, places[4], times)}).astray.keys() == {4}
+    assert not fit(takes | {4: Take(wrong, times, places[4] + 3, times)}).astray
 
 
 def test_statistics_from_0_to_255_are_named(root):

@@ -17,6 +17,7 @@ from z2r.arrays import Array, Bools, Floats, Ints, Progress, join_all
 from z2r.audits.footage import Footage, ImageSums, VideoSums
 from z2r.audits.frames import FileClaims
 from z2r.audits.runs import FileSums, Runs
+from z2r.audits.signs import Signs, signs_of
 from z2r.errors import DatasetError, Fault
 from z2r.format.about import cameras_of
 from z2r.format.dataset import in_order
@@ -91,12 +92,16 @@ class Glance(NamedTuple):
         the third, as a root mean square over 12 x 16 parts of them, in which noise hardly counts.
     swing : ndarray, float64[n_threes]
         How much brighter or darker the second is than the two around it.
-    colour : ndarray, float64[3]
-        Red, green and blue on average, from 0 to 1.
+    colours : ndarray, float64[2, 3]
+        Red, green and blue on average, from 0 to 1, and so of their squares.
     cells : ndarray, float16[n, 48]
         How bright each of 6 x 8 parts of them is, where the whole is 128: so that no exposure matters.
     view : ndarray, uint8[12, 16, 3]
         What is there most of the time: the median of all of them, in RGB.
+    still : ndarray, uint8[48, 64]
+        The same of brightness and of a third of them, and not as small.
+    signs : Signs
+        How they are made.
     """
 
     frame: Floats
@@ -111,9 +116,11 @@ class Glance(NamedTuple):
     far: Floats
     across: Floats
     prints: NDArray[np.uint8]
-    colour: Floats
+    colours: Floats
     cells: NDArray[np.float16]
     view: NDArray[np.uint8]
+    still: NDArray[np.uint8]
+    signs: Signs
 
 
 class Reel(NamedTuple):
@@ -249,6 +256,7 @@ def _glance(frame: Floats, numbers: Ints, pictures: Mapping[int, Small]) -> Glan
     bright, (one, two, three) = _as_bright(seen), np.moveaxis(_as_bright(in_a_row), 1, 0)
     level = in_a_row.mean(axis=(2, 3), dtype=np.float64)
     apart = np.abs(np.diff(seen, axis=0))
+    pixels = colours[::_EACH].reshape(-1, 3) / 255
     n, height, width = seen.shape
     prints = seen[(_PRINTS * (n - 1)).round().astype(np.int64)].reshape(-1, height // 2, 2, width // 2, 2)
     quarters = colours.reshape(n, height // 4, 4, width // 4, 4, 3).mean(axis=(2, 4))
@@ -264,10 +272,12 @@ def _glance(frame: Floats, numbers: Ints, pictures: Mapping[int, Small]) -> Glan
         swing=np.abs(level[:, 1] - level[:, ::2].mean(axis=1)),
         far=_apart(bright[:-1], bright[1:]),
         across=_apart(bright[: n - n // 2], bright[n // 2 :]),
-        colour=colours.mean(axis=(0, 1, 2), dtype=np.float64) / 255,
+        colours=np.stack([each.mean(axis=0, dtype=np.float64) for each in (pixels, np.square(pixels))]),
         prints=prints.mean(axis=(2, 4)).round().astype(np.uint8),
         cells=bright.reshape(n, height // 8, 8, width // 8, 8).mean(axis=(2, 4)).reshape(n, -1).astype(np.float16),
         view=np.median(quarters, axis=0).round().astype(np.uint8),
+        still=np.median(seen[::_EACH], axis=0).round().astype(np.uint8),
+        signs=signs_of([pictures[number] for number in numbers.tolist()], colours, seen),
     )
 
 

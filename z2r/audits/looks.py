@@ -14,6 +14,7 @@ from z2r.audits.copies import pictures_again
 from z2r.audits.footage import Footage, ImageSums, VideoSums, place_frames
 from z2r.audits.glances import Filmed, Glance, Glances
 from z2r.audits.runs import Runs
+from z2r.audits.signs import Parted, drift, parted
 from z2r.audits.together import Take, fit
 from z2r.audits.views import Unlike, unlike
 from z2r.errors import Fault, some
@@ -96,8 +97,14 @@ class Look(NamedTuple):
         By how much all of them are late [s].
     colour : ndarray, float64[3]
         Red, green and blue on average over all that was seen, from 0 to 1.
+    deviation : ndarray, float64[3]
+        Their standard deviations over all pixels of all pictures, from 0 to 1; of small pictures, so a little less.
     unlike : sequence of Unlike
         Which episodes look otherwise than the others; nobody knows where no picture is decoded.
+    parted : sequence of Parted
+        Of which episodes the pictures are made in another way, as a number says.
+    drift : str
+        By how much the camera moves from episode to episode; empty where it does not.
     bars : str
         Where all pictures are black from edge to edge; empty where they are not on both sides.
     """
@@ -123,7 +130,10 @@ class Look(NamedTuple):
     fits: float = np.nan
     late: float = 0.0
     colour: Floats = np.full(3, np.nan)
+    deviation: Floats = np.full(3, np.nan)
     unlike: Sequence[Unlike] = ()
+    parted: Sequence[Parted] = ()
+    drift: str = ""
     bars: str = ""
 
 
@@ -174,6 +184,8 @@ def looks_of_glances(filmed: Filmed, glances: Glances) -> Looks:
     ]
     views = _own_views(glances, looks, twins)
     looks = {camera: look._replace(unlike=views.get(camera, ())) for camera, look in looks.items()}
+    tasks = _tasks(runs)
+    looks = {camera: _with_signs(look, glances.cameras[camera], tasks) for camera, look in looks.items()}
     rights = {camera: _right(look, twins) for camera, look in looks.items()}
     looks = {
         camera: _held_against_the_robot(
@@ -260,6 +272,7 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths:
             other = still[row] or slow[row] or flicker[row] or broken[row] or swing[row]
             disorder[row] = not other and _is_out_of_order(glance)
     copies = pictures_again(seen, {row: (path.frames, path.places) for row, path in paths.items()})
+    colour, square = np.mean([glance.colours for glance in seen.values()] or [np.full((2, 3), np.nan)], axis=0)
     return Look(
         camera=camera,
         place=_place(runs.claims, camera),
@@ -284,7 +297,8 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths:
         slow=Suspects(slow, lambda row: f"the picture of before again for {again[row]:.0%} of the robot's way"),
         mend="",
         bars=_bars([glance.view for glance in seen.values()]),
-        colour=np.mean([glance.colour for glance in seen.values()] or [np.full(3, np.nan)], axis=0),
+        colour=colour,
+        deviation=np.sqrt(np.maximum(square - colour**2, 0)),
     )
 
 
@@ -432,6 +446,24 @@ def _own_views(glances: Glances, looks: Mapping[str, Look], twins: Sequence[Twin
         wrong[twin.look.camera] |= twin.same
     seen = glances.cameras.items()
     return unlike({name: {row: own for row, own in each.items() if not wrong[name][row]} for name, each in seen})
+
+
+def _tasks(runs: Runs) -> dict[int, int]:
+    """Return the task of each episode, by its row, as far as they are known; of several, one."""
+    if runs.tasks is None:
+        return {}
+    task = dict(zip(runs.number[runs.tasks[:, 0]].tolist(), runs.tasks[:, 1].tolist(), strict=True))
+    numbers = runs.claims.stored.episodes.value.table.number.tolist()
+    return {row: task[number] for row, number in enumerate(numbers) if number in task}
+
+
+def _with_signs(look: Look, seen: Mapping[int, Glance], tasks: Mapping[int, int]) -> Look:
+    """Look for signs, but in episodes of which more is known, as that explains them."""
+    told = look.flat.wrong | look.blank.wrong | look.dark.wrong | look.still.wrong | look.hung.wrong | look.slow.wrong
+    told[[row for each in look.unlike if each.says for row in each.rows.tolist()]] = True
+    left = {row: glance for row, glance in seen.items() if not told[row]}
+    signs = {row: glance.signs for row, glance in left.items()}
+    return look._replace(parted=parted(signs, tasks), drift=drift({row: glance.still for row, glance in left.items()}))
 
 
 def _shade(level: float) -> str:

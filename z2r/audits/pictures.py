@@ -16,6 +16,7 @@ from z2r.format.tables import STATS_PATH
 from z2r.reading.stored import episodes_named
 
 _OTHER_COLOUR = 0.1  # of white: some of the pictures may be that far from all of them
+_OTHER_SPREAD, _FINE = 2, 0.05  # times as large; and of white, which what is finer than the small pictures may add
 _LATE = 0.25  # s: most cameras are late by less
 
 
@@ -105,6 +106,29 @@ def no_episode_looks_otherwise(looks: Looks) -> Iterator[Answer]:
             yield ("warning" if each.few and each.says else "note"), fault
 
 
+CAMERA_QUALITY = Check("camera-quality", "pictures are made in the same way in all episodes", "note")
+
+
+@CAMERA_QUALITY.of(Looks)
+def pictures_are_of_one_kind(looks: Looks) -> Iterator[Answer]:
+    """Does a number of the pictures part the episodes in two, as where a lens, or what a driver does, changed?"""
+    for look in looks.cameras:
+        for each in look.parted:
+            named, others = (look.number[rows].tolist() for rows in (each.some, each.others))
+            found = f"pictures with {each.says} {each.own:.2g}, where {episodes_named(others)} have {each.its:.2g}"
+            place, expected = f"{look.camera} in {episodes_named(named)}", "pictures that are made in the same way"
+            yield Fault(look.place, place, found, expected, each.mend, tuple(named))
+
+
+@CAMERA_QUALITY.of(Looks)
+def no_camera_sinks(looks: Looks) -> Iterator[Answer]:
+    """Does the view of a camera move a little from each episode to the next?"""
+    for look in looks.cameras:
+        if look.drift:
+            mend = "Is a screw of its mount loose? Compare the first episode with the last"
+            yield Fault(look.place, look.camera, look.drift, "a camera that stays where it is", mend)
+
+
 @CAMERA_TWIN.of(Looks)
 def no_two_cameras_show_the_same(looks: Looks) -> Iterator[Answer]:
     """Do two cameras show the same pictures throughout an episode? Of those of one colour, that is no wonder."""
@@ -136,6 +160,20 @@ def pictures_have_the_stored_colour(looks: Looks) -> Iterator[Answer]:
             found, seen = (" ".join(f"{each:.2f}" for each in colour) for colour in (stored, look.colour))
             mend = "Are these of another camera? A policy scales its pictures by them"
             yield Fault(STATS_PATH, f"{look.camera}.mean", found, f"about {seen}, as decoded", mend)
+
+
+@STATS.of(Looks)
+def pictures_have_the_stored_spread(looks: Looks) -> Iterator[Answer]:
+    """Is the stored std of each camera about that of its pictures? A policy divides by it."""
+    for look in looks.cameras:
+        stored = numbers((looks.claims.stored.stats.value or {}).get(look.camera, {}).get("std"))
+        if stored is None or stored.shape != look.deviation.shape or not 0 <= stored.min() <= stored.max() <= 1:
+            continue
+        less, more = stored < look.deviation / _OTHER_SPREAD, stored > (look.deviation + _FINE) * _OTHER_SPREAD
+        if (less | more).any():
+            found, seen = (" ".join(f"{each:.2g}" for each in std) for std in (stored, look.deviation))
+            mend = "A policy divides its pictures by them: compute them from pixels, not from means of pictures"
+            yield Fault(STATS_PATH, f"{look.camera}.std", found, f"about {seen}, as decoded", mend)
 
 
 @Check("camera-motion", "pictures show where the robot is, not where it was or will be", "warning").of(Looks)

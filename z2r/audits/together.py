@@ -25,14 +25,20 @@ _RESTS = 1e-9  # of what moves
 
 _OTHERS = 32  # episodes before and after, whose robot may be the one that is shown
 
-_FITS, _SURELY, _FITS_NOT = 0.4, 0.5, 0.25  # correlation: what is usual must be more; of one; what is less fits nothing
+_FITS, _SURELY, _FITS_NOT = (
+    0.4,
+    0.5,
+    0.25,
+)  # correlation: what is usual must be more; of a delay; what is less fits nothing
 _LATE, _EARLY = 0.45, 0.25  # s: by less all pictures of a camera may well be late, or early
 _NEAR = 0.25  # s: what is held against it
 _MORE, _MOST = 0.02, 0.75  # of correlation, that it must bring in the median, and in how many of the episodes
 _OF_ONE, _GAIN = 0.15, 0.05  # s, and of correlation: how far one episode must be from what is usual
+_LEFT = 0.8  # of what is not foretold: what a delay of its own leaves of it, at most
 _MANY, _AGREE = 0.3, 0.6  # of the episodes: what so many have is usual; and what so many have between them is known
 _SAME = 0.2  # of how far pictures are from their mean: what is left of those that are the same
 _LESS, _BETTER, _AS_WELL = 0.2, 0.3, 0.15  # of correlation: below what is usual; by so much better; about as well
+_ELSEWHERE = 1.5  # times as far from where all others have been as is usual: there nothing can be foretold
 _FAR_LESS, _SPREADS = 0.35, 7  # below what is usual, in correlation and in spreads of it: nobody need know why
 _NEIGHBOURS = {1: "the next episode", -1: "the episode before"}
 
@@ -140,7 +146,7 @@ def fit(takes: Mapping[int, Take]) -> Fit:
         return Fit(np.nan, {})
     if not -_EARLY <= _DELAYS[usual] <= _LATE:
         gains = [curve[usual] - curve[np.abs(_DELAYS) <= _NEAR].max() for curve in curves.values()]
-        if np.mean(np.array(gains) > 0) < _MOST:
+        if typical < _SURELY or np.mean(np.array(gains) > 0) < _MOST:
             return Fit(np.nan, {})
         return Fit(typical, {number: _all_late(curve, usual) for number, curve in curves.items()})
     spread = 1.4826 * float(np.median([abs(each - typical) for each in agree]))
@@ -152,7 +158,8 @@ def _odd(learned: _Learned, number: int, usual: int, share: Floats, typical: flo
     """Say what is odd about the pictures of an episode; empty where nothing is."""
     curve = learned.curves[number]
     own, best = _around(curve, usual), int(curve.argmax())
-    is_late = curve[best] >= max(_SURELY, own + _GAIN) and abs(_DELAYS[best] - _DELAYS[usual]) > _OF_ONE
+    is_better = 1 - curve[best] ** 2 <= _LEFT * (1 - own**2) and curve[best] >= max(_SURELY, own + _GAIN)
+    is_late = is_better and abs(_DELAYS[best] - _DELAYS[usual]) > _OF_ONE
     if is_late and share[usual] + share[best] >= _AGREE:  # else each has a delay of its own, and none means anything
         return _later(curve, usual, best)
     if own >= typical - _LESS:
@@ -164,7 +171,21 @@ def _odd(learned: _Learned, number: int, usual: int, share: Floats, typical: flo
         )
     nothing = own < min(_FITS_NOT, typical - max(_FAR_LESS, _SPREADS * spread))
     said = f"a correlation of {own:.2f} with where the robot is, where {typical:.2f} is usual"
-    return f"pictures of something else: {said}" if nothing else ""
+    return f"pictures of something else: {said}" if nothing and not _is_elsewhere(learned, number) else ""
+
+
+def _is_elsewhere(learned: _Learned, number: int) -> bool:
+    """Tell whether the robot goes where it never is in the episodes that were learned from."""
+    apart = [_far_from_others(learned, each) for each in learned.sums]
+    return _far_from_others(learned, number) >= _ELSEWHERE * float(np.median(apart))
+
+
+def _far_from_others(learned: _Learned, number: int) -> float:
+    """Return how far the robot is on average from the nearest place where it is in another episode, in spreads."""
+    own = _components(learned.takes[number], learned.axes)[:, None]
+    others = [_components(learned.takes[other], learned.axes) for other in learned.sums if other != number]
+    nearest = np.min([np.square(own - other).sum(axis=-1).min(axis=1) for other in others], axis=0)
+    return float(np.sqrt(nearest).mean())
 
 
 def _belong_there(learned: _Learned, number: int, other: int, usual: int) -> bool:
@@ -254,8 +275,14 @@ def _axes(takes: Mapping[int, Take]) -> _Axes:
     return _Axes(places.mean(axis=0), scale[:, None] * np.linalg.eigh(alike)[1][:, ::-1][:, :_COMPONENTS])
 
 
+def _components(take: Take, axes: _Axes) -> Floats:
+    """Return where the robot is at each of its places: (n_places, n_components)."""
+    components: Floats = (take.places.astype(np.float64) - axes.middle) @ axes.directions
+    return components
+
+
 def _ready(take: Take, axes: _Axes, delays: Floats = _DELAYS) -> _Ready:
-    components = (take.places.astype(np.float64) - axes.middle) @ axes.directions  # (n_places, n_components)
+    components = _components(take, axes)
     times = take.at - delays[:, None]  # (n_delays, n_pictures)
     known = (times >= take.when[0] - _RESTS) & (times <= take.when[-1] + _RESTS)
     known &= known.sum(axis=1, keepdims=True) >= _MIN_PICTURES

@@ -29,6 +29,7 @@ _MOMENT = 1e-6  # s
 _AT_ONCE = 2**21  # bytes of a video that is far away: a decoder asks for little, and then for what comes next
 _DECODERS = {"jpeg": "mjpeg"}  # of the formats whose decoder has another name
 _ROWS = 8  # of a picture, of which one is looked at in its full size
+_PARTS = (4, 8)  # of a picture: rows and columns of them
 
 
 class Small(NamedTuple):
@@ -41,10 +42,16 @@ class Small(NamedTuple):
     grain : float
         How far each pixel is from the next, as a root mean square, in standard deviations of the picture: about 1.4
         where each is by chance, little where the picture is blurred.
+    sharpness : float
+        How far a pixel is from the next one on average, in a part as most are, beside the mean brightness.
+    comb : tuple of float
+        How far a row is from the middle of the two around it, and these from each other, both squared.
     """
 
     colours: NDArray[np.uint8]
     grain: float
+    sharpness: float
+    comb: tuple[float, float]
 
 
 def can_decode() -> bool:
@@ -281,9 +288,31 @@ def _number(index: VideoIndex, unit: float, pts: int | None) -> int:
 
 def _small(frame: "av.VideoFrame", reformatter: "VideoReformatter") -> Small:
     small = reformatter.reformat(frame, WIDTH, HEIGHT, "rgb24", interpolation="AREA").to_ndarray()
-    rows = _brightness(frame)[::_ROWS].astype(np.float32)
-    grain = float(np.diff(rows, axis=1).std() / max(rows.std(), 1)) if frame.width > 1 else 0.0
-    return Small(small.astype(np.uint8, copy=False), grain)
+    bright = _brightness(frame)
+    rows = bright[::_ROWS].astype(np.float32)
+    steps = np.diff(rows, axis=1) if frame.width > 1 else np.zeros_like(rows)
+    return Small(
+        colours=small.astype(np.uint8, copy=False),
+        grain=float(steps.std() / max(rows.std(), 1)),
+        sharpness=float(np.median(_means(np.abs(steps))) / max(rows.mean(), 1)),
+        comb=_comb(bright),
+    )
+
+
+def _means(steps: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return the mean of each part of the picture, as far as they are of one size."""
+    height, width = (max(size // n_parts, 1) for size, n_parts in zip(steps.shape, _PARTS, strict=True))
+    down, along = steps.shape[0] // height, steps.shape[1] // width
+    means: NDArray[np.float32] = (
+        steps[: down * height, : along * width].reshape(down, height, along, width).mean(axis=(1, 3))
+    )
+    return means
+
+
+def _comb(bright: Array) -> tuple[float, float]:
+    above, between, below = (bright[first : len(bright) - 2 + first : _ROWS].astype(np.float32) for first in range(3))
+    off, apart = between - (above + below) / 2, below - above
+    return float(np.vdot(off, off)), float(np.vdot(apart, apart))
 
 
 def _brightness(frame: "av.VideoFrame") -> Array:
