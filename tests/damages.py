@@ -80,7 +80,7 @@ class Damage:
     harmless: bool = False
 
 
-READINESS = ("constant", "idle", "short-episode", "chunk")
+READINESS = ("constant", "idle", "short-episode", "chunk", "echo")
 """Checks that note what is true of many a healthy dataset, and no fault of it."""
 
 

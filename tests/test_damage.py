@@ -115,7 +115,8 @@ def test_a_bad_recording_of_an_arm_has_its_three_faults_and_statistics_that_agre
     pictures = camera_pictures(bad)
     assert pictures["observation.images.side"].max() < 20 < pictures["observation.images.front"].max()
     found = wrong_in(z2r.audit(bad.root, pictures=True))
-    assert {finding.check for finding in found} == {"late", "unit", "follow", "camera-flat"}
+    named = {finding.check for finding in found if finding.severity != "note"}
+    assert named == {"late", "unit", "follow", "camera-flat"}
     assert fingerprint(z2r.ARM) == before
     once = fingerprint(bad.root)
     assert fingerprint(record_badly(z2r.ARM, bad.root)) == once

@@ -281,6 +281,15 @@ def test_a_column_of_two_kinds_is_a_note(episodes, said, tmp_path):
         assert "9.8" in findings[0].expected
 
 
+def test_a_sensor_that_rests_in_some_episodes_is_of_two_kinds(tmp_path):
+    recording, rng = make("so101", 0), np.random.default_rng(0)
+    recording = replace(recording, names=recording.names | {IMU: ("range",)})
+    for number, own in enumerate(recording.episodes):
+        own[IMU] = rng.normal(2, 0.1, (len(own[TASK]), 1)) * (number > 2)
+    [finding] = found(recording, tmp_path / "dataset", "two-kinds")
+    assert finding.episodes == (0, 1, 2)
+
+
 def test_two_kinds_that_the_tasks_explain_are_none(tmp_path):
     recording, rng = boxes(), np.random.default_rng(0)
     recording = replace(recording, names=recording.names | {IMU: ("weight",)})
@@ -293,7 +302,7 @@ def test_a_state_that_echoes_its_command_is_a_note(tmp_path):
     recording = make("so101", 0)
     for own in recording.episodes:
         own[STATE][1:] = own[ACTION][:-1]
-    [finding] = found(recording, tmp_path / "dataset", "command")
+    [finding] = found(recording, tmp_path / "dataset", "echo")
     assert (finding.severity, finding.field) == ("note", STATE)
     assert "the action of the frame before, bit for bit, in 100%" in finding.found
 

@@ -552,6 +552,7 @@ def no_joint_is_dead(joints: Joints) -> Iterator[Answer]:
 
 
 COMMAND = Check("command", "where a robot moves, its command is recorded", "warning")
+ECHO = Check("echo", "a state is measured, and is no copy of a command", "note")
 
 
 @COMMAND.of(Joints)
@@ -580,11 +581,6 @@ def commands_are_no_copies(joints: Joints) -> Iterator[Answer]:
         if usual > 1 - _COPIED and copies is runs.copied:
             mend = "A policy learns to stay where it is: the command was not recorded"
             yield Fault(DATA_DIR, ACTION, f"{STATE} {what}, bit for bit", "a command, which comes before it", mend)
-        if usual > 1 - _COPIED and copies is runs.foretold:
-            found = f"the action of the frame before, bit for bit, in {usual:.0%} of the frames in which that changes"
-            mend = "Is the action made of the next state, as many do? Else the state is an echo of the command, which "
-            mend += "nobody measured: it says nothing of a load, a grip or a lag"
-            yield "note", Fault(DATA_DIR, STATE, found, "a measurement, which differs from what it was told", mend)
         wrong = (least > _COPIED) & (usual < _COPIED / 3)
         if wrong.any():
             numbers = joints.number[moves][wrong]
@@ -592,6 +588,19 @@ def commands_are_no_copies(joints: Joints) -> Iterator[Answer]:
             mend = "Was the robot led by hand there, or was no command recorded?"
             yield _in_episodes(ACTION, numbers, found, "a command, as in the other episodes", mend)
     yield from _partly_copied(joints)
+
+
+@ECHO.of(Joints)
+def states_are_no_echo(joints: Joints) -> Iterator[Answer]:
+    """Is the state of all joints, in most episodes, what they were told in the frame before?"""
+    moves = joints.judged.any(axis=1)
+    least = np.where(joints.judged, joints.runs.foretold, np.inf)[moves].min(axis=1, initial=np.inf)
+    usual = float(np.quantile(least, 0.5, method="lower")) if moves.any() else 0.0
+    if usual > 1 - _COPIED:
+        found = f"the action of the frame before, bit for bit, in {usual:.0%} of the frames in which that changes"
+        mend = "Is the action made of the next state, as many do? Else the state is an echo of the command, which "
+        mend += "nobody measured: it says nothing of a load, a grip or a lag"
+        yield Fault(DATA_DIR, STATE, found, "a measurement, which differs from what it was told", mend)
 
 
 def _partly_copied(joints: Joints) -> Iterator[Fault]:

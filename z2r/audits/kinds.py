@@ -47,7 +47,7 @@ def columns_mean_the_same_everywhere(runs: Runs) -> Iterator[Answer]:
         sums = {"mean": stats.mean, "lowest value": stats.low, "highest value": stats.high}
         for column in range(feature.size):
             of_column = {what: values[:, column] for what, values in sums.items()}
-            kinds = _two_kinds(of_column, (stats.high - stats.low)[:, column])
+            kinds = _two_kinds(of_column, (stats.high - stats.low)[:, column], may_rest=name.startswith("observation"))
             if kinds and share_a_task(runs, kinds.few):
                 together.setdefault(kinds.few.tobytes(), []).append((column_label(name, feature, column), kinds))
     for alike in together.values():
@@ -63,14 +63,17 @@ def columns_mean_the_same_everywhere(runs: Runs) -> Iterator[Answer]:
         yield Fault(DATA_DIR, place, found, expected, mend, whose)
 
 
-def _two_kinds(sums: dict[str, Floats], spans: Floats) -> _Kinds | None:
-    """Part the runs in two by what tells most, each (n_runs,), if that is clear; a column that rests is a label."""
+def _two_kinds(sums: dict[str, Floats], spans: Floats, *, may_rest: bool) -> _Kinds | None:
+    """Part the runs in two by what tells most, each (n_runs,), if that is clear.
+
+    A label that rests is a label; a sensor that rests in some episodes was lost there.
+    """
     best = None
     for what, values in sums.items():
         rarer, gap, spread = parted(values)
         few = np.isin(np.arange(len(values)), rarer)
         few ^= few[0] and 2 * len(rarer) == len(values)
-        moves = min(np.median(spans[few]), np.median(spans[~few])) > 0
+        moves = (max if may_rest else min)(np.median(spans[few]), np.median(spans[~few])) > 0
         far = gap / max(float(np.median(spans)), 1e-300)
         if len(rarer) >= _MIN_OF_A_KIND and moves and gap >= _APART * spread and far > _SHARE[what]:
             clearly = far / _SHARE[what]

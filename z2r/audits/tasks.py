@@ -26,6 +26,7 @@ _MAX_COMPARED = 200  # texts, each with each
 # What is typed where something must be, once signs and numbers are left out.
 _SAYS_NOTHING = {"abc", "asdf", "debug", "default", "demo", "dummy", "example", "foo", "my task", "n a", "new task"}
 _SAYS_NOTHING |= {"none", "null", "placeholder", "sample", "task", "tbd", "test", "testing", "todo", "unknown", "xxx"}
+_TO_DO = r"\b(todo|tbd|fixme|placeholder|task description|insert (task|text))\b"
 _FIELD = r"\{\w*\}|\$\w+|<[A-Za-z_]+>|(?<![\d%])%s"  # what a template leaves open
 _OF_A_TAKE = r"\b(bad|failed|failure|fail|redo|retake|delete|discard|do not use|don't use|unusable|dropped it|oops)\b"
 _REMARK = rf"[(\[][^)\]]*{_OF_A_TAKE}|\s[-\u2013\u2014]+\s.*{_OF_A_TAKE}|\s(failed|redo|retake|bad take|do not use)\W*$"
@@ -67,7 +68,8 @@ def task_typo(claims: Claims) -> Iterator[Answer]:
     if tasks is None:
         return
     for number, text in zip(tasks.number.tolist(), tasks.text, strict=True):
-        if re.fullmatch(r"\s*[<\[{].*[>\]}]\s*", text) or _without_signs(text) in _SAYS_NOTHING:
+        is_left = re.fullmatch(r"\s*[<\[{].*[>\]}]\s*", text) or re.search(_TO_DO, text, re.IGNORECASE)
+        if is_left or _without_signs(text) in _SAYS_NOTHING:
             yield Fault(TASKS_PATH, f"task {number}", _shown(text), "what the robot is to do")
         elif field := re.search(_FIELD, text):
             mend = "Was a template never filled in? A policy learns the name of the field as a word"

@@ -39,6 +39,7 @@ _MANY, _AGREE = 0.3, 0.6  # of the episodes: what so many have is usual; and wha
 _SAME = 0.2  # of how far pictures are from their mean: what is left of those that are the same
 _LESS, _BETTER, _AS_WELL = 0.2, 0.3, 0.15  # of correlation: below what is usual; by so much better; about as well
 _ELSEWHERE = 1.5  # times as far from where all others have been as is usual: there nothing can be foretold
+_SOMETHING_ELSE = "pictures of something else"
 _FAR_LESS, _SPREADS = 0.35, 7  # below what is usual, in correlation and in spreads of it: nobody need know why
 _NEIGHBOURS = {1: "the next episode", -1: "the episode before"}
 
@@ -151,6 +152,9 @@ def fit(takes: Mapping[int, Take]) -> Fit:
         return Fit(typical, {number: _all_late(curve, usual) for number, curve in curves.items()})
     spread = 1.4826 * float(np.median([abs(each - typical) for each in agree]))
     odd = {number: _odd(learned, number, usual, share, typical, spread) for number in takes}
+    unlike = [number for number, found in odd.items() if found.startswith(_SOMETHING_ELSE)]
+    if 2 * len(unlike) > len(takes):  # of most, who says that they are the odd ones?
+        odd |= dict.fromkeys(unlike, "")
     return Fit(typical, {number: found for number, found in odd.items() if found}, float(_DELAYS[usual]))
 
 
@@ -171,7 +175,7 @@ def _odd(learned: _Learned, number: int, usual: int, share: Floats, typical: flo
         )
     nothing = own < min(_FITS_NOT, typical - max(_FAR_LESS, _SPREADS * spread))
     said = f"a correlation of {own:.2f} with where the robot is, where {typical:.2f} is usual"
-    return f"pictures of something else: {said}" if nothing and not _is_elsewhere(learned, number) else ""
+    return f"{_SOMETHING_ELSE}: {said}" if nothing and not _is_elsewhere(learned, number) else ""
 
 
 def _is_elsewhere(learned: _Learned, number: int) -> bool:
