@@ -67,8 +67,8 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
-    """Use two processes more than there are cores, for many tests wait: for a browser, a server or a cluster."""
-    return (os.cpu_count() or 1) + 2
+    """Use one process more than there are cores, for some tests wait: for a browser, a server or a cluster."""
+    return (os.cpu_count() or 1) + 1
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
