@@ -591,7 +591,8 @@ def _motion_not_checked(claims: Claims, sums: Sequence[FileSums]) -> Iterator[st
         yield f"near copies of a demonstration: there are more than {motion.MAX_COMPARED:,} episodes"
     kept = [part.moments for part in sums if part.n_rows]
     if why := relations.not_related(claims.schema, len(claims.table.number), kept):
-        yield f"whether each column goes with the others: {why}"
+        told_too = "how finely it is stored, what a gripper holds, and whether an episode goes as its task"
+        yield f"whether each column goes with the others, {told_too}: {why}"
 
 
 def _meaning_not_checked(claims: Claims, sums: Sequence[FileSums], scene: Scene | None) -> Iterator[str]:

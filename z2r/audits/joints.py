@@ -51,9 +51,8 @@ _BESIDE = 0.06  # of a joint's range
 _FAR_BESIDE = 0.09  # of a joint's range
 _CROSSWISE, _OWN = 0.8, 0.5  # explained by the other's column, at least, and by its own, at most
 _SAME_UNIT = 4  # times, between the ranges of a command and of what it does not even drive
-_FARTHER = (
-    2.5  # times the largest step of a command, and of those before and after: measured, 2.3 where nothing is wrong
-)
+# Times the largest step of a command, and of those before and after: measured, 2.3 where nothing is wrong.
+_FARTHER = 2.5
 _SPIKE, _NOISIER = 0.03, 8  # of a joint's range, and times its noise: measured, 4 where nothing is wrong
 _COMMANDS = 4  # times the largest step of a joint: measured, 3.2 where nothing is wrong
 

@@ -25,11 +25,8 @@ _RESTS = 1e-9  # of what moves
 
 _OTHERS = 32  # episodes before and after, whose robot may be the one that is shown
 
-_FITS, _SURELY, _FITS_NOT = (
-    0.4,
-    0.5,
-    0.25,
-)  # correlation: what is usual must be more; of a delay; what is less fits nothing
+# Correlation: what is usual must be more; of a delay; what is less fits nothing.
+_FITS, _SURELY, _FITS_NOT = 0.4, 0.5, 0.25
 _LATE, _EARLY = 0.45, 0.25  # s: by less all pictures of a camera may well be late, or early
 _NEAR = 0.25  # s: what is held against it
 _MORE, _MOST = 0.02, 0.75  # of correlation, that it must bring in the median, and in how many of the episodes
