@@ -24,10 +24,7 @@ _SHARE = {"mean": 0.2, "lowest value": 1.0, "highest value": 1.0}  # of what the
 
 
 class _Kinds(NamedTuple):
-    """Which runs are of the rarer kind, bool[n_runs]; by what that is told, what it is in both, and how clearly.
-
-    Of two that are as many, it is the kind that the first run is not of.
-    """
+    """Which runs are of the rarer kind, bool[n_runs]; by what that is told, what it is in both, and how clearly."""
 
     few: Bools
     what: str
@@ -72,7 +69,6 @@ def _two_kinds(sums: dict[str, Floats], spans: Floats, *, may_rest: bool) -> _Ki
     for what, values in sums.items():
         rarer, gap, spread = parted(values)
         few = np.isin(np.arange(len(values)), rarer)
-        few ^= few[0] and 2 * len(rarer) == len(values)
         moves = (max if may_rest else min)(np.median(spans[few]), np.median(spans[~few])) > 0
         far = gap / max(float(np.median(spans)), 1e-300)
         if len(rarer) >= _MIN_OF_A_KIND and moves and gap >= _APART * spread and far > _SHARE[what]:
