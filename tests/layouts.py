@@ -170,6 +170,7 @@ def statistics(values: np.ndarray) -> dict[str, list[float]]:
         "mean": values.mean(axis=0).tolist(),
         "std": values.std(axis=0).tolist(),
         "count": [len(values)],
+        **{f"q{100 * each:02.0f}": np.quantile(values, each, axis=0).tolist() for each in (0.01, 0.1, 0.5, 0.9, 0.99)},
     }
 
 

@@ -241,6 +241,23 @@ def test_a_wrong_range_is_said_as_a_policy_sees_it(kind, by, severity, standin_c
     assert finding.severity == severity
 
 
+def forget_a_quantile(root: Path) -> None:
+    stored = read_json(root, STATS_PATH)
+    del stored["action"]["q01"]
+    (root / STATS_PATH).write_text(json.dumps(stored))
+
+
+def test_statistics_without_the_quantiles_by_which_a_policy_scales_are_a_note(standin_copy):
+    seen_by_a_policy(standin_copy, "action", "QUANTILES")
+    assert not found(standin_copy, "stats")
+    forget_a_quantile(standin_copy)
+    with pytest.raises(ValueError, match="requires q01 and q99"):
+        seen_by_a_policy(standin_copy, "action", "QUANTILES")
+    finding = one(standin_copy, "stats")
+    assert (finding.severity, finding.field) == ("note", "action")
+    assert "no q01 and q99" in finding.found
+
+
 def test_a_range_of_nothing_is_an_error(standin_copy):
     for kind in ("min", "max"):
         edit_stats(standin_copy, "action", kind, of_one(0, lambda _: 0.1))
@@ -311,10 +328,11 @@ def line_of(finding: Finding) -> str:
     ("base", "spoil", "check"),
     [
         ("standin", lambda root: edit_stats(root, STATE, "std", lambda values: values * 8), "stats"),
+        ("standin", forget_a_quantile, "stats"),
         ("messy", in_one(3, lambda n: range(3)), "short-episode"),
         ("standin", lambda root: add_feature(root, "observation.light", 0.5), "constant"),
     ],
-    ids=["recompute_stats", "delete_episodes", "remove_feature"],
+    ids=["recompute_stats", "recompute_quantiles", "delete_episodes", "remove_feature"],
 )
 def test_a_line_that_is_printed_runs_and_mends(base, spoil, check, tmp_path, monkeypatch):
     root = tmp_path / "it's a dataset"

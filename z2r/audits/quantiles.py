@@ -11,16 +11,30 @@ import numpy as np
 
 from z2r.arrays import Columns, Floats
 from z2r.audits import edit
+from z2r.audits.claims import Claims
 from z2r.audits.runs import Runs
 from z2r.audits.stats import STATS, numbers
 from z2r.check import Answer
-from z2r.errors import Fault
+from z2r.errors import Fault, some
 from z2r.format.rules import and_more
 from z2r.format.schema import Feature, is_for_a_policy
 from z2r.format.tables import QUANTILES, STATS_PATH, read_shard_statistics
 
 _SLACK = 0.15  # of the range from q01 to q99: by so much a histogram, and a mean over episodes, may be off
 _MIDDLE = "q50"
+_NEEDED = ("q01", "q99")
+
+
+@STATS.of(Claims)
+def quantiles_are_there(claims: Claims) -> Iterator[Answer]:
+    """Can a policy be trained that scales by quantiles? LeRobot 0.6.1 stops where meta/stats.json has none."""
+    stored, signals = claims.stored.stats.value or {}, claims.schema.signals()
+    bare = [
+        name for name in signals if is_for_a_policy(name) and name in stored and not {*_NEEDED} <= stored[name].keys()
+    ]
+    if bare:
+        mend = f"π0.5 cannot be trained without; others can. Add them: {edit.recompute_stats(claims.root)}"
+        yield "note", Fault(STATS_PATH, some(bare), "no q01 and q99", "both, as LeRobot 0.6.1 stores them", mend)
 
 
 @STATS.of(Runs)
