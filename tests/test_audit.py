@@ -502,7 +502,18 @@ def test_every_check_is_made_to_fail_by_some_damage():
     named = {check for damage in DAMAGES.values() for check in damage.checks.split()}
     of_cameras = {part.check.name for part in parts_in(cameras, pictures)}  # which `test_cameras.py` damages
     # Of motion: `test_motion.py`, `test_scales.py`, `test_relations.py` and `test_deeds.py`.
-    deeds = {"task-motion", "grasp", "label-moment", "resolution", "two-kinds", "stick", "play", "robot-type", "echo"}
+    deeds = {
+        "task-motion",
+        "grasp",
+        "long-episode",
+        "label-moment",
+        "resolution",
+        "two-kinds",
+        "stick",
+        "play",
+        "robot-type",
+        "echo",
+    }
     of_tasks = {"task-remark", "task-encoding"}  # `test_tasks.py`
     elsewhere = of_cameras | set(MADE_TO_FAIL) | {"velocity", "relation"} | deeds | of_tasks
     assert (named | {check for check, _ in BREAKS.values()}) - elsewhere == set(CHECKS) - elsewhere - {AUDIT.name}

@@ -44,6 +44,24 @@ def test_where_texts_say_nothing_of_the_motion_none_is_named(seed, tmp_path):
     assert not found(recording, tmp_path / "dataset", "task-motion")
 
 
+def run_on(recording: Recording, episode: int, *, and_rest: bool = False) -> None:
+    """Go back the way that an episode came, or stay where it ended for as long."""
+    own = recording.episodes[episode]
+    for name in own:
+        more = np.repeat(own[name][-1:], len(own[name]), axis=0) if and_rest else own[name][::-1]
+        own[name] = np.concatenate([own[name], more])
+
+
+@pytest.mark.parametrize(("and_rest", "named"), [(False, {(4,)}), (True, set())])
+def test_an_episode_that_undoes_what_it_did_is_named_and_one_that_only_waits_is_not(and_rest, named, tmp_path):
+    recording = make("so101", 0)
+    assert not found(recording, tmp_path / "right", "long-episode")
+    run_on(recording, 4, and_rest=and_rest)
+    said = found(recording, tmp_path / "dataset", "long-episode")
+    assert {finding.episodes for finding in said} == named
+    assert all("2.0 times as much motion" in finding.found for finding in said)
+
+
 def close_on_nothing(recording: Recording, episode: int) -> None:
     own = recording.episodes[episode]
     own[STATE][:, GRIPPER] = np.roll(own[ACTION][:, GRIPPER], 3) + 0.1

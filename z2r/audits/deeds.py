@@ -36,6 +36,8 @@ _BEYOND, _SURELY = 1.5, 5  # times as far as the others are from each other, of 
 _SHARE = 0.15  # of a column's range
 _MANY = 0.3  # of the episodes: the others need not be the right ones
 
+_TWO = 1.5  # times as much as usual: those that tried twice came to 1.3
+
 _CLEARLY = 2.5  # times as far as those that hold nothing
 _STANDS = 0.02  # of a gripper's range, in two frames
 _HELD_BACK, _NOT_HELD = 0.08, 0.2  # of it; and of how far it is held back in the others
@@ -107,6 +109,25 @@ def _as_of_another(states: Floats, own: Ints, other: Ints) -> Ints:
 def _to_the_nearest(states: Floats, row: int, others: Ints) -> float:
     """Return how far a run is from the nearest of some others, as a root mean square."""
     return float(np.sqrt(np.square(states[others[others != row]] - states[row]).mean(axis=(1, 2)).min()))
+
+
+@Check("long-episode", "an episode is one demonstration, and no more", "note").of(Runs)
+def episodes_are_one_demonstration(runs: Runs) -> Iterator[Answer]:
+    """Does an episode go on for much longer, and much farther, than the others? Who is only slow goes no farther."""
+    if STATE not in runs.steps or len(runs.number) < _MIN_EPISODES:
+        return
+    path = runs.steps[STATE].path
+    usual = np.median(path, axis=0)
+    farther = np.median(path[:, usual > 0] / usual[usual > 0], axis=1) if usual.any() else np.zeros(len(path))
+    longer = runs.n_frames / np.median(runs.n_frames)
+    wrong: Bools = np.minimum(farther, longer) >= _TWO
+    if wrong.any() and wrong.mean() <= _FEW and share_a_task(runs, wrong):
+        worst = int(np.where(wrong, farther, 0).argmax())
+        number = runs.number[wrong].tolist()
+        found = f"{longer[worst]:.1f} times as many frames as usual, and {farther[worst]:.1f} times as much motion"
+        mend = "Was the reset recorded too, a second try, or the next demonstration? Cut it there, or leave it out"
+        named = episodes_named(number)
+        yield Fault(DATA_DIR, named, found, "about as long a way as in the other episodes", mend, tuple(number))
 
 
 GRASP = Check("grasp", "a gripper holds what it holds in the other episodes, until it is told to open", "note")
