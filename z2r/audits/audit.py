@@ -21,6 +21,7 @@ from z2r.arrays import Floats, Ints, Pile, Progress, join_all, no_progress
 from z2r.audits import (
     cameras,
     deeds,
+    ends,
     index,
     joints,
     kinds,
@@ -78,6 +79,7 @@ PARTS = parts_in(
     joints,
     scales,
     motion,
+    ends,
     relations,
     stats,
     quantiles,
