@@ -281,13 +281,32 @@ def test_a_column_of_two_kinds_is_a_note(episodes, said, tmp_path):
         assert "9.8" in findings[0].expected
 
 
-def test_a_sensor_that_rests_in_some_episodes_is_of_two_kinds(tmp_path):
+@pytest.mark.parametrize("feature", [IMU, STATE])
+@pytest.mark.parametrize(
+    ("lost", "moves", "named"), [((0, 1, 2, 3), 1.0, True), (range(5, 12), 1.0, True), ((0, 1, 2, 3), 0.3, False)]
+)
+def test_a_sensor_that_is_lost_in_many_episodes_is_named(feature, lost, moves, named, tmp_path):
+    """Not one that often rests where it is not lost, as what is pushed or gripped does."""
     recording, rng = make("so101", 0), np.random.default_rng(0)
-    recording = replace(recording, names=recording.names | {IMU: ("range",)})
+    names = [*recording.names.get(feature, ()), "range"]
+    recording = replace(recording, names=recording.names | {feature: names})
     for number, own in enumerate(recording.episodes):
-        own[IMU] = rng.normal(2, 0.1, (len(own[TASK]), 1)) * (number > 2)
-    [finding] = found(recording, tmp_path / "dataset", "two-kinds")
-    assert finding.episodes == (0, 1, 2)
+        n = len(own[TASK])
+        seen = np.cumsum(rng.normal(0, 0.1, n) * (rng.random(n) < moves)) if number not in lost else np.full(n, 4.0)
+        own[feature] = np.column_stack([*own.get(feature, np.empty((n, 0))).T, seen])
+    findings = [each for each in found(recording, tmp_path / "dataset", "frozen") if "range" in each.field]
+    assert [(each.severity, each.episodes) for each in findings] == [("note", tuple(lost))] * named
+    assert all("4 in all frames" in each.found for each in findings)
+
+
+@pytest.mark.parametrize(("told", "named"), [(True, False), (False, True)])
+def test_a_joint_that_is_told_to_rest_in_many_episodes_is_not_lost(told, named, tmp_path):
+    recording, rng = make("so101", 0), np.random.default_rng(0)
+    for number, own in enumerate(recording.episodes):
+        own[STATE][:, 4] = (own[STATE][:, 4] + rng.normal(0, 0.2, len(own[STATE]))) * (number > 5)
+        own[ACTION][:, 4] *= number > 5 or not told
+    findings = [each for each in found(recording, tmp_path / "dataset", "frozen") if POS[4] in each.field]
+    assert [each.episodes for each in findings] == [tuple(range(6))] * named
 
 
 def test_two_kinds_that_the_tasks_explain_are_none(tmp_path):
