@@ -93,6 +93,32 @@ def test_a_label_that_comes_too_soon_is_named(episodes, without, tmp_path):
     assert ("nobody knows which of them are right" in finding.mend) == (len(episodes) > 1)
 
 
+@pytest.mark.parametrize("episodes", [(5,), range(12)])
+@pytest.mark.parametrize(
+    ("reward", "said"),
+    [
+        (lambda n: np.arange(n) < n // 5, "1 in the first frame and 0 in the end"),
+        (lambda n: np.ones(n), "1 in every frame"),
+        (lambda n: np.arange(n) < n - 1, ""),  # a penalty in the end
+        (lambda n: np.where(np.arange(n) < n // 5, 0, -1), ""),
+    ],
+)
+def test_a_reward_before_anything_was_done_is_named(reward, said, episodes, tmp_path):
+    recording = make("scored", 0)
+    for number, own in enumerate(recording.episodes):
+        n = len(own[TASK])
+        lowest = min(reward(n).min(), 0)
+        own["next.reward"] = (reward(n) if number in episodes else np.full(n, lowest)).astype(np.float32)
+        if said:
+            own["next.reward"][-1] += number not in episodes
+        del own["next.success"]
+    findings = [each for each in found(recording, tmp_path / "dataset", "label-moment") if "next.reward" in each.field]
+    everywhere = "every frame" in said and len(episodes) > 1  # which `label-constant` says
+    assert [(each.found, each.episodes) for each in findings] == [(said, tuple(episodes))] * bool(
+        said and not everywhere
+    )
+
+
 def test_a_success_elsewhere_is_named_by_where(tmp_path):
     recording = make("scored", 0)
     for name in (STATE, ACTION):

@@ -11,6 +11,7 @@ import numpy as np
 
 from z2r.arrays import Bools, Floats, Ints
 from z2r.audits.frames import FileFrames
+from z2r.audits.labels import LABEL_MOMENT
 from z2r.audits.motion import parted, share_a_task
 from z2r.audits.runs import Runs
 from z2r.audits.steps import run_of
@@ -136,7 +137,7 @@ def grippers_hold_something(runs: Runs) -> Iterator[Answer]:
             yield Fault(DATA_DIR, place, found, expected, mend, tuple(number))
 
 
-@Check("label-moment", "a success or a reward comes where it does in the other episodes", "note").of(Runs)
+@LABEL_MOMENT.of(Runs)
 def labels_come_where_they_do_elsewhere(runs: Runs) -> Iterator[Answer]:
     """Does a label come in a state, or so many frames before the end, as in no other episode?"""
     come = (
