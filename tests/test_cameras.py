@@ -61,6 +61,7 @@ from test_audit import said
 import z2r
 from z2r.audits import cameras, pictures
 from z2r.audits.findings import AUDIT, Finding
+from z2r.audits.footage import _longest_rest
 from z2r.audits.signs import Signs, parted
 from z2r.audits.together import Take, fit
 from z2r.check import parts_in
@@ -660,6 +661,24 @@ def test_images_that_are_the_same_are_named(wrong, check, severity, place, kind,
     assert re.search(f"{SIDE} {place}", str(finding))
 
 
+def test_images_that_are_the_same_for_a_while_are_named(album):
+    photograph(album, SIDE, only(hung_for_a_while, 4))
+    [finding] = [each for each in of_cameras(z2r.audit(album, pictures=True)) if each.check == "camera-frozen"]
+    assert re.search(rf"{SIDE} in episode 4: found the same picture in 1\d frames from frame 21 on", str(finding))
+
+
+@given(st.lists(st.tuples(st.booleans(), st.booleans()), min_size=1, max_size=30), st.data())
+def test_the_longest_rest_of_each_episode_is_found(frames, data):
+    rests, other = np.array(frames).T
+    may_rest = rests | other
+    cuts = data.draw(st.lists(st.integers(0, len(frames)), min_size=2, max_size=5).map(sorted))
+    spans = np.stack([cuts[:-1], cuts[1:]], axis=1)
+    for (start, stop), (first, n) in zip(spans.tolist(), _longest_rest(rests, may_rest, spans).tolist(), strict=True):
+        every = [(i, j) for i in range(start, stop) for j in range(i, stop) if rests[j] and may_rest[i : j + 1].all()]
+        assert n == max((j + 1 - i for i, j in every), default=0)
+        assert n == 0 or (start + first, start + first + n - 1) in every
+
+
 # --- what the pictures show, once they are decoded
 
 
@@ -745,7 +764,7 @@ def pushed(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray
 
 def hung_for_a_while(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
     pictures = list(film(camera, episode, states))
-    return (pictures[20 if 20 <= frame < 36 else frame] for frame in range(len(pictures)))
+    return (pictures[20 if 20 <= frame < 34 else frame] for frame in range(len(pictures)))
 
 
 def under_lamps(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
@@ -869,7 +888,7 @@ SEEN = {
         only(hung_for_a_while, 4),
         "camera-frozen",
         "note",
-        r"in episode 4: found the same picture for \d\d%",
+        r"in episode 4: found the same picture in 1\d frames from frame 2[01] on, for \d\d% of the robot's way",
     ),
     "slow in an episode": (only(thrice, 3), "camera-frozen", "warning", "in episode 3: found the picture of before"),
     "always slow": (thrice, "camera-frozen", "note", "in episode 0: found the picture of before again"),

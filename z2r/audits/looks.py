@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from z2r.arrays import Bools, Floats, Ints
 from z2r.audits.claims import Claims
 from z2r.audits.copies import pictures_again
-from z2r.audits.footage import Footage, ImageSums, VideoSums, place_frames
+from z2r.audits.footage import Footage, ImageSums, VideoSums, place_frames, size_of_the_same
 from z2r.audits.glances import Filmed, Glance, Glances
 from z2r.audits.runs import Runs
 from z2r.audits.signs import Parted, drift, parted
@@ -28,9 +28,8 @@ _SELDOM = 0.1  # of the episodes
 _DECODE = "To be sure, look at the pictures: z2r audit --pictures"
 
 # Measured on h264, hevc and av1 as LeRobot encodes them, 96 x 96 to 480 x 640: a picture of one colour takes 36 to 162
-# bytes, the plainest drawing 255 to 2,135; a picture that is the same as the one before takes 18 to 66.
+# bytes, the plainest drawing 255 to 2,135.
 _FLAT, _PIXELS_TO_A_FLAT_BYTE = 64, 512
-_SAME, _PIXELS_TO_A_SAME_BYTE = 48, 4096
 _LITTLE = 0.25  # of what a change usually takes
 
 # Of decoded pictures, from 0 to 255.
@@ -44,7 +43,9 @@ _HARDLY = 0.25  # of a large change while the robot moves
 _SLOW, _TURNS = 0.2, 8  # of the robot's way, and steps between two in which it moves
 _FITFUL = 0.5  # of these steps: from little change to more, or back
 
-_MOSTLY, _A_WHILE, _NEVER = 0.5, 0.12, 0.03  # of the robot's way
+_MOSTLY = 0.5  # of the robot's way
+_MIN_HUNG = 10  # frames, and at least a second
+_HUNG, _FARTHER_THAN, _AS_FAST = 0.03, 2, 0.5  # of its way; times as far as in most episodes; of its usual speed
 _PAIRS, _APART = 8, 1.5  # pairs of pictures, and frames between those that are far apart
 _MUCH, _AS_FAR = 8, 0.9  # of 255, by which pictures differ; and of what they differ by that are far apart
 _FEW, _ALONE, _FOR_GOOD = 4, 4, 0.25  # pictures; times what most differ by; of a leap, what stays of it
@@ -84,11 +85,12 @@ class Look(NamedTuple):
         Which feature it is, and where they are stored.
     number : ndarray, int64[n_episodes]
         What the dataset calls the episodes.
-    flat, still, blank, dark, hung, slow, flicker, broken, leap, swing, focus, disorder, again, astray : Suspects
-        Where they are of one colour, or noise; stay the same although the robot moves; some of them are of one colour,
-        or noise; some of them are black; stay the same for a while; do so again and again; differ from one to the next;
-        do so at times; are others from some frame on; get brighter and darker all the time; are blurred at times; are
-        not in their order; are those of another episode; do not go with the robot.
+    flat, still, blank, dark, hung, slow, flicker, broken, leap, swing, focus, disorder, again, astray
+        Each `Suspects`: where they are of one colour, or noise; stay the same although the robot moves; some of them
+        are of one colour, or noise; some of them are black; stay the same for a while, unlike in the
+        others; do so again and again; differ from one to the next; do so at times; are others from some frame on; get
+        brighter and darker all the time; are blurred at times; are not in their order; are those of another episode;
+        do not go with the robot.
     mend : str
         How to be surer; empty where it is sure.
     fits : float
@@ -178,6 +180,7 @@ def looks_of_glances(filmed: Filmed, glances: Glances) -> Looks:
     runs = filmed.runs
     paths = {} if filmed.places is None else _paths_of_episodes(runs, filmed.places)
     looks = {camera: _look_of_glances(camera, seen, runs, paths) for camera, seen in glances.cameras.items()}
+    looks = {camera: _with_hung(look, _rests(filmed, camera), runs, paths) for camera, look in looks.items()}
     twins = [
         Twin(looks[camera], looks[other], _same_views(glances.cameras[camera], glances.cameras[other], runs))
         for other, camera in combinations(looks, 2)
@@ -247,7 +250,7 @@ def _way(places: Floats) -> Floats:
 
 def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths: Mapping[int, _Path]) -> Look:
     number, moves = runs.claims.stored.episodes.value.table.number, _robot_moves(runs)
-    flat, blank, dark, still, hung, slow = np.zeros((6, len(moves)), dtype=bool)
+    flat, blank, dark, still, slow = np.zeros((5, len(moves)), dtype=bool)
     flicker, broken, leap, swing, focus, disorder = np.zeros((6, len(moves)), dtype=bool)
     share, again = {}, {}
     for row, glance in seen.items():
@@ -265,8 +268,6 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths:
             way = np.diff(np.interp(glance.frame, path.frames, path.way))
             share[row] = _longest(way, glance.peak <= _NOISE) / max(way.sum(), _TINY)
             still[row] = share[row] >= _MOSTLY
-            elsewhere = (way * (glance.peak <= _NOISE)).sum() / max(way.sum(), _TINY) - share[row]
-            hung[row] = elsewhere <= _NEVER and _A_WHILE <= share[row] < _MOSTLY
             again[row], repeats = _repeats(way, glance.peak)
             slow[row] = repeats and not still[row]
             other = still[row] or slow[row] or flicker[row] or broken[row] or swing[row]
@@ -282,7 +283,6 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths:
         blank=Suspects(blank, lambda row: _blanks(seen[row])),
         dark=Suspects(dark, lambda row: _blanks(seen[row])),
         still=Suspects(still, lambda row: f"the same picture for {share[row]:.0%} of the robot's way"),
-        hung=Suspects(hung, lambda row: f"the same picture for {share[row]:.0%} of the robot's way"),
         flicker=Suspects(flicker, lambda row: _said_of_flicker(seen[row])),
         broken=Suspects(broken, lambda row: _said_of_breaks(seen[row])),
         leap=Suspects(leap, lambda row: _said_of_leap(seen[row])),
@@ -300,6 +300,38 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths:
         colour=colour,
         deviation=np.sqrt(np.maximum(square - colour**2, 0)),
     )
+
+
+def _rests(filmed: Filmed, camera: str) -> dict[int, Ints]:
+    """Say of each episode, by its row, from which frame on its pictures are the same for longest, and for how many."""
+    videos = zip(filmed.footage.videos, filmed.footage.sums, strict=True)
+    read = [(video, said) for video, said in videos if video.camera == camera and isinstance(said, VideoSums)]
+    rests = {
+        row: rest for video, said in read for row, rest in zip(video.rows.tolist(), said.pictures.rest, strict=True)
+    }
+    if camera in filmed.images:
+        table = filmed.runs.claims.stored.episodes.value.table
+        row = dict(zip(table.number.tolist(), range(len(table.number)), strict=True))
+        of_runs = zip(filmed.runs.number.tolist(), filmed.images[camera].rest, strict=True)
+        rests |= {row[number]: rest for number, rest in of_runs if number in row}
+    return rests
+
+
+def _with_hung(look: Look, rests: Mapping[int, Ints], runs: Runs, paths: Mapping[int, _Path]) -> Look:
+    """Find where pictures are the same for a while although the robot moves, unlike in nearly all other episodes."""
+    length, moves = runs.claims.stored.episodes.value.table.length, _robot_moves(runs)
+    way, n = np.zeros((2, len(length)))
+    known = [*rests.keys() & paths.keys()]
+    if len(known) < _MIN_EPISODES:
+        return look
+    for row in known:
+        path, (first, n[row]) = paths[row], rests[row]
+        way[row] = np.ptp(np.interp([first, first + n[row]], path.frames, path.way)) / max(path.way[-1], _TINY)
+    wrong = moves & (way >= max(_HUNG, _FARTHER_THAN * float(np.quantile(way[known], 0.75))))
+    wrong &= (n >= max(_MIN_HUNG, runs.claims.schema.fps)) & (way >= _AS_FAST * n / np.maximum(length, 1))
+    wrong &= ~(look.flat.wrong | look.still.wrong | look.slow.wrong)
+    said = "the same picture in {:.0f} frames from frame {} on, for {:.0%} of the robot's way"
+    return look._replace(hung=Suspects(wrong, lambda row: said.format(n[row], rests[row][0], way[row])))
 
 
 def _bars(views: Sequence[NDArray[np.uint8]]) -> str:
@@ -516,7 +548,7 @@ def _look_of_sizes(footage: Footage, camera: str, moves: Bools) -> Look:
             lambda row: f"{key[row]:.0f} bytes a picture, no more than one colour takes",
         ),
         still=Suspects(
-            moves & _seem_still(long, other, alike, _SAME + pixels / _PIXELS_TO_A_SAME_BYTE),
+            moves & _seem_still(long, other, alike, size_of_the_same(pixels)),
             lambda row: f"{other[row]:.0f} bytes for a change of the picture, where {usual:.0f} are usual",
         ),
         mend=_DECODE,
