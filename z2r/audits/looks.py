@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from z2r.arrays import Bools, Floats, Ints
 from z2r.audits.claims import Claims
-from z2r.audits.copies import pictures_again
+from z2r.audits.copies import pictures_again, pictures_of_neighbours
 from z2r.audits.footage import Footage, ImageSums, VideoSums, place_frames, size_of_the_same
 from z2r.audits.glances import Filmed, Glance, Glances
 from z2r.audits.runs import Runs
@@ -85,12 +85,12 @@ class Look(NamedTuple):
         Which feature it is, and where they are stored.
     number : ndarray, int64[n_episodes]
         What the dataset calls the episodes.
-    flat, still, blank, dark, hung, slow, flicker, broken, leap, swing, focus, disorder, again, astray
+    flat, still, blank, dark, hung, slow, flicker, broken, leap, swing, focus, disorder, again, seam, astray
         Each `Suspects`: where they are of one colour, or noise; stay the same although the robot moves; some of them
         are of one colour, or noise; some of them are black; stay the same for a while, unlike in the
         others; do so again and again; differ from one to the next; do so at times; are others from some frame on; get
         brighter and darker all the time; are blurred at times; are not in their order; are those of another episode;
-        do not go with the robot.
+        are so for some frames at an end; do not go with the robot.
     mend : str
         How to be surer; empty where it is sure.
     fits : float
@@ -128,6 +128,7 @@ class Look(NamedTuple):
     focus: Suspects = _NOBODY
     disorder: Suspects = _NOBODY
     again: Suspects = _NOBODY
+    seam: Suspects = _NOBODY
     astray: Suspects = _NOBODY
     fits: float = np.nan
     late: float = 0.0
@@ -273,12 +274,14 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths:
             other = still[row] or slow[row] or flicker[row] or broken[row] or swing[row]
             disorder[row] = not other and _is_out_of_order(glance)
     copies = pictures_again(seen, {row: (path.frames, path.places) for row, path in paths.items()})
+    neighbours = pictures_of_neighbours({row: glance for row, glance in seen.items() if not flat[row]})
     colour, square = np.mean([glance.colours for glance in seen.values()] or [np.full((2, 3), np.nan)], axis=0)
     return Look(
         camera=camera,
         place=_place(runs.claims, camera),
         number=number,
         again=Suspects(np.isin(np.arange(len(number)), list(copies)), lambda row: f"{_AGAIN} {number[copies[row]]}"),
+        seam=Suspects(np.isin(np.arange(len(number)), list(neighbours)), lambda row: neighbours[row]),
         flat=Suspects(flat, lambda row: _nothing(seen[row])),
         blank=Suspects(blank, lambda row: _blanks(seen[row])),
         dark=Suspects(dark, lambda row: _blanks(seen[row])),
@@ -322,12 +325,11 @@ def _with_hung(look: Look, rests: Mapping[int, Ints], runs: Runs, paths: Mapping
     length, moves = runs.claims.stored.episodes.value.table.length, _robot_moves(runs)
     way, n = np.zeros((2, len(length)))
     known = [*rests.keys() & paths.keys()]
-    if len(known) < _MIN_EPISODES:
-        return look
     for row in known:
         path, (first, n[row]) = paths[row], rests[row]
         way[row] = np.ptp(np.interp([first, first + n[row]], path.frames, path.way)) / max(path.way[-1], _TINY)
-    wrong = moves & (way >= max(_HUNG, _FARTHER_THAN * float(np.quantile(way[known], 0.75))))
+    usual = float(np.quantile(way[known], 0.75)) if len(known) >= _MIN_EPISODES else np.inf
+    wrong = moves & (way >= max(_HUNG, _FARTHER_THAN * usual))
     wrong &= (n >= max(_MIN_HUNG, runs.claims.schema.fps)) & (way >= _AS_FAST * n / np.maximum(length, 1))
     wrong &= ~(look.flat.wrong | look.still.wrong | look.slow.wrong)
     said = "the same picture in {:.0f} frames from frame {} on, for {:.0%} of the robot's way"
