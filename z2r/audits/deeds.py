@@ -31,7 +31,7 @@ _FEW = 0.25  # of the episodes of a task: of more, nobody knows whether the text
 _MAX_TEXT, _FINE = 60, 0.01  # characters of a text that are shown; and of a range, what is always nearly the same
 _SAMPLE = 64  # episodes of a task, by which it is known how near they come to each other
 
-_MIN_EPISODES = 8  # of which one comes elsewhere
+MIN_EPISODES = 8  # of which one comes elsewhere
 _BEYOND, _SURELY = 1.5, 5  # times as far as the others are from each other, of one alone, and of several
 _SHARE = 0.15  # of a column's range
 _MANY = 0.3  # of the episodes: the others need not be the right ones
@@ -114,7 +114,7 @@ def grippers_hold_something(runs: Runs) -> Iterator[Answer]:
     """Does a gripper come to where it is told to be, where something between its fingers holds it back elsewhere?"""
     labels = {name: runs.claims.schema.features[name].labels for name in (STATE, ACTION) if name in runs.stats}
     seen, asked = (runs.moments_of(name) for name in (STATE, ACTION))
-    if len(labels) < 2 or not seen.size or len(runs.number) < _MIN_EPISODES:
+    if len(labels) < 2 or not seen.size or len(runs.number) < MIN_EPISODES:
         return
     for column, name in enumerate(labels[STATE]):
         if not is_gripper(name) or labels[ACTION].count(name) != 1:
@@ -143,7 +143,7 @@ def labels_come_where_they_do_elsewhere(runs: Runs) -> Iterator[Answer]:
     come = (
         np.flatnonzero(np.isfinite(runs.comes).all(axis=1)) if runs.comes is not None else np.empty(0, dtype=np.int64)
     )
-    if runs.comes is None or len(come) < _MIN_EPISODES:
+    if runs.comes is None or len(come) < MIN_EPISODES:
         return
     column, few = _elsewhere(runs.comes[come], np.append(np.median(runs.n_frames[come]), runs.spans(STATE)))
     wrong: Bools = np.isin(np.arange(len(runs.number)), come[few])

@@ -20,7 +20,7 @@ from z2r.format.schema import ACTION, STATE, column_label
 from z2r.reading.scene import FROZEN
 from z2r.reading.stored import episodes_named
 
-_MIN_EPISODES, _MIN_OF_A_KIND = 6, 2
+MIN_EPISODES, _MIN_OF_A_KIND = 6, 2  # from fewer nothing is said
 _APART = 3  # times as far as the episodes of one kind are from each other
 _SHARE = {"mean": 0.2, "lowest value": 1.0, "highest value": 1.0}  # of what the column goes through in an episode
 _LONG = 40  # frames: a sensor may well stand still for less
@@ -45,7 +45,7 @@ class _Kinds(NamedTuple):
 def columns_mean_the_same_everywhere(runs: Runs) -> Iterator[Answer]:
     """Is a column's mean, lowest or highest value in some episodes far from that of the others, and nothing between?"""
     together: dict[bytes, list[tuple[str, _Kinds]]] = {}
-    for name, stats in runs.stats.items() if len(runs.number) >= _MIN_EPISODES else ():
+    for name, stats in runs.stats.items() if len(runs.number) >= MIN_EPISODES else ():
         feature = runs.claims.schema.features[name]
         if name in (STATE, ACTION) or feature.dtype == "bool":
             continue
@@ -96,7 +96,7 @@ def no_sensor_is_lost_in_many_episodes(runs: Runs) -> Iterator[Answer]:
         dead, share = long & (steps.moves == 0), steps.moves / runs.n_frames[:, None]  # (n_runs, size)
         n, rest = dead.sum(axis=0), (long & ~dead).sum(axis=0)
         number = np.where(dead, stats.low, np.nan)[dead.argmax(axis=0), range(feature.size)]
-        told = (n > (_FEW_OF_THE_STATE if name == STATE else _FEW) * (n + rest)) & (n + rest >= _MIN_EPISODES)
+        told = (n > (_FEW_OF_THE_STATE if name == STATE else _FEW) * (n + rest)) & (n + rest >= MIN_EPISODES)
         told &= (n >= _MIN_OF_A_KIND) & (rest >= _MIN_OF_A_KIND) & (name != ACTION)
         told &= ((share >= _ALL_THE_TIME) | dead | ~long).all(axis=0) & ((stats.low == number) | ~dead).all(axis=0)
         for column in np.flatnonzero(told).tolist():

@@ -513,8 +513,8 @@ def _unseen(glances: Glances, n_episodes: int) -> Iterator[str]:
 def _unfit(looks: Mapping[str, Look], n_episodes: int) -> Iterator[str]:
     names = [camera for camera, look in looks.items() if np.isnan(look.fits)]
     if n_episodes < _MIN_EPISODES:
-        few = f"fewer than {_MIN_EPISODES} episodes"
-        yield f"whether the pictures of {some(names)} are alike, and show where the robot is: there are {few}"
+        few, alike = f"fewer than {_MIN_EPISODES} episodes", "are alike, made in one way, hang for a while"
+        yield f"whether the pictures of {some(names)} {alike}, and show where the robot is: there are {few}"
     elif names:
         yield f"whether the pictures of {some(names)} show where the robot is: too little of it is seen in them"
 
