@@ -85,15 +85,12 @@ class Pictures(NamedTuple):
     alike : ndarray, bool[n_episodes]
         Whether all pictures of each of the two sorts take the same, within two bytes; at both ends, where an encoder
         knows less or introduces itself, two are left out.
-    rest : ndarray, int64[n_episodes, 2]
-        From which frame on it takes next to nothing for longest that pictures change, and for how many frames.
     """
 
     off: Floats
     key: Floats
     other: Floats
     alike: Bools
-    rest: Ints
 
 
 class VideoSums(NamedTuple):
@@ -175,9 +172,28 @@ def _pictures(index: VideoIndex, claims: VideoClaims, step: float) -> Pictures:
     sorts = index.is_key, ~index.is_key
     key, other = (_typical_size(index.sizes, sort, start, stop) for sort in sorts)
     alike = np.logical_and(*(_are_alike(index.sizes, sort, start + _ENDS, stop - _ENDS) for sort in sorts))
-    rests = ~index.is_key & (index.sizes <= size_of_the_same(index.height * index.width))
-    rest = _longest_rest(rests, rests | _keys_that_rest(index, rests), np.stack([start, stop], axis=1))
-    return Pictures(_distances(index.times, claims, step), key, other, alike, rest)
+    return Pictures(_distances(index.times, claims, step), key, other, alike)
+
+
+def longest_rests(index: VideoIndex, spans: Ints) -> Ints:
+    """Find where it takes next to nothing for longest that pictures change, in each span of a video.
+
+    Parameters
+    ----------
+    index : VideoIndex
+        Of which only that part is looked at in which the spans lie.
+    spans : ndarray, int64[n_spans, 2]
+        The first picture of each, and one past its last.
+
+    Returns
+    -------
+    ndarray, int64[n_spans, 2]
+        From which picture of the span on, and for how many.
+    """
+    first, end = int(spans[:, 0].min()), int(spans[:, 1].max())
+    part = index._replace(times=index.times[first:end], is_key=index.is_key[first:end], sizes=index.sizes[first:end])
+    rests = ~part.is_key & (part.sizes <= size_of_the_same(index.height * index.width))
+    return _longest_rest(rests, rests | _keys_that_rest(part, rests), spans - first)
 
 
 def _keys_that_rest(index: VideoIndex, rests: Bools) -> Bools:

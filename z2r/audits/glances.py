@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from z2r.arrays import Array, Bools, Floats, Ints, Progress, join_all
-from z2r.audits.footage import Footage, ImageSums, VideoSums
+from z2r.audits.footage import Footage, ImageSums, VideoSums, longest_rests
 from z2r.audits.frames import FileClaims
 from z2r.audits.runs import FileSums, Runs
 from z2r.audits.signs import Signs, signs_of
@@ -105,6 +105,8 @@ class Glance(NamedTuple):
         How they are made.
     ends : ndarray, uint8[2, 3, 24, 32], or None
         The first three frames, and the last three, the last of them first: how bright. None where one is not decoded.
+    rest : ndarray, int64[2], or None
+        Of a video, from `longest_rests`: from which frame on pictures hardly change for longest, and for how many.
     """
 
     frame: Floats
@@ -125,6 +127,7 @@ class Glance(NamedTuple):
     still: NDArray[np.uint8]
     signs: Signs
     ends: NDArray[np.uint8] | None
+    rest: Ints | None
 
 
 class Reel(NamedTuple):
@@ -217,10 +220,11 @@ def _look_at_video(root: Path, fps: float, reel: Reel) -> Iterator[tuple[int, Gl
     more = [_with_next(some, *span) for some, span in zip(wanted, spans, strict=True)]
     numbers = np.unique(np.concatenate(more))
     pictures = dict(decode_video(root, reel.path, index, numbers)) if len(numbers) else {}
-    for row, begins, some, span in zip(reel.rows.tolist(), reel.begins, wanted, spans, strict=True):
+    rests = longest_rests(index, np.array(spans))
+    for row, begins, some, span, rest in zip(reel.rows.tolist(), reel.begins, wanted, spans, rests, strict=True):
         seen = some[np.isin(some, list(pictures))]
         if len(seen) >= _FEW:
-            yield row, _glance((index.times[seen] - begins) * fps, seen, pictures, span)
+            yield row, _glance((index.times[seen] - begins) * fps, seen, pictures, span, rest)
 
 
 def _look_at_images(root: Path, reel: Reel) -> Iterator[tuple[int, Glance]]:
@@ -232,7 +236,7 @@ def _look_at_images(root: Path, reel: Reel) -> Iterator[tuple[int, Glance]]:
     for row, some, span in zip(reel.rows.tolist(), wanted, spans, strict=True):
         seen = some[np.isin(some, list(pictures))]
         if len(seen) >= _FEW:
-            yield row, _glance((seen - span[0]).astype(np.float64), seen, pictures, span)
+            yield row, _glance((seen - span[0]).astype(np.float64), seen, pictures, span, None)
 
 
 def _some(is_key: Bools, start: int, stop: int) -> Ints:
@@ -259,7 +263,9 @@ def _evenly(numbers: Ints) -> Ints:
     return numbers[np.linspace(0, len(numbers) - 1, n).round().astype(np.int64)] if n else numbers
 
 
-def _glance(frame: Floats, numbers: Ints, pictures: Mapping[int, Small], span: tuple[int, int]) -> Glance:
+def _glance(
+    frame: Floats, numbers: Ints, pictures: Mapping[int, Small], span: tuple[int, int], rest: Ints | None
+) -> Glance:
     colours = np.stack([pictures[number].colours for number in numbers.tolist()]).astype(np.float32)  # (n, 48, 64, 3)
     seen = colours @ _BRIGHTNESS  # (n, 48, 64)
     first = [number for number in numbers[::_EACH].tolist() if {number + 1, number + 2} <= pictures.keys()]
@@ -291,6 +297,7 @@ def _glance(frame: Floats, numbers: Ints, pictures: Mapping[int, Small], span: t
         still=np.median(seen[::_EACH], axis=0).round().astype(np.uint8),
         signs=signs_of([pictures[number] for number in numbers.tolist()], colours, seen),
         ends=_how_bright(_ends(*span), pictures),
+        rest=rest,
     )
 
 

@@ -181,7 +181,8 @@ def looks_of_glances(filmed: Filmed, glances: Glances) -> Looks:
     runs = filmed.runs
     paths = {} if filmed.places is None else _paths_of_episodes(runs, filmed.places)
     looks = {camera: _look_of_glances(camera, seen, runs, paths) for camera, seen in glances.cameras.items()}
-    looks = {camera: _with_hung(look, _rests(filmed, camera), runs, paths) for camera, look in looks.items()}
+    rests = {camera: _rests(seen, filmed.images.get(camera), runs) for camera, seen in glances.cameras.items()}
+    looks = {camera: _with_hung(look, rests[camera], runs, paths) for camera, look in looks.items()}
     twins = [
         Twin(looks[camera], looks[other], _same_views(glances.cameras[camera], glances.cameras[other], runs))
         for other, camera in combinations(looks, 2)
@@ -305,19 +306,13 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths:
     )
 
 
-def _rests(filmed: Filmed, camera: str) -> dict[int, Ints]:
+def _rests(seen: Mapping[int, Glance], images: ImageSums | None, runs: Runs) -> dict[int, Ints]:
     """Say of each episode, by its row, from which frame on its pictures are the same for longest, and for how many."""
-    videos = zip(filmed.footage.videos, filmed.footage.sums, strict=True)
-    read = [(video, said) for video, said in videos if video.camera == camera and isinstance(said, VideoSums)]
-    rests = {
-        row: rest for video, said in read for row, rest in zip(video.rows.tolist(), said.pictures.rest, strict=True)
-    }
-    if camera in filmed.images:
-        table = filmed.runs.claims.stored.episodes.value.table
-        row = dict(zip(table.number.tolist(), range(len(table.number)), strict=True))
-        of_runs = zip(filmed.runs.number.tolist(), filmed.images[camera].rest, strict=True)
-        rests |= {row[number]: rest for number, rest in of_runs if number in row}
-    return rests
+    if images is None:
+        return {row: glance.rest for row, glance in seen.items() if glance.rest is not None}
+    row = {number: row for row, number in enumerate(runs.claims.stored.episodes.value.table.number.tolist())}
+    rests = zip(runs.number.tolist(), images.rest, strict=True)
+    return {row[number]: rest for number, rest in rests if number in row}
 
 
 def _with_hung(look: Look, rests: Mapping[int, Ints], runs: Runs, paths: Mapping[int, _Path]) -> Look:
