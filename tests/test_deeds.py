@@ -10,6 +10,8 @@ from test_scales import found
 
 import z2r
 from z2r.audits.motion import parted
+from z2r.data import find_dataset
+from z2r.reading.verdict import read_verdict
 
 GRIPPER = 5
 IMU = "observation.imu"
@@ -66,6 +68,34 @@ def test_a_gripper_that_is_not_used_closes_on_nothing_and_is_not_named(tmp_path)
     for name in (STATE, ACTION):
         recording.episodes[4][name][:, GRIPPER] = 3 + 0.1 * (name == STATE)
     assert not found(recording, tmp_path / "dataset", "grasp")
+
+
+def lose_on_the_way(recording: Recording, episode: int) -> None:
+    """Let the gripper close on nothing after a third of the time in which something holds it back."""
+    own = recording.episodes[episode]
+    held = np.flatnonzero(own[STATE][:, GRIPPER] - own[ACTION][:, GRIPPER] > 5)
+    closed = slice(held[len(held) // 3], held[-1])
+    own[STATE][closed, GRIPPER] = own[ACTION][closed, GRIPPER] + 0.1
+
+
+@pytest.mark.parametrize("says_so", [False, True])
+def test_what_a_gripper_loses_on_the_way_is_named_and_a_label_that_denies_it(says_so, tmp_path):
+    recording = make("scored" if says_so else "so101", 0)
+    assert not found(recording, tmp_path / "right", "grasp")
+    lose_on_the_way(recording, 2)
+    [finding] = found(recording, tmp_path / "dataset", "grasp")
+    assert f"{STATE}[{POS[GRIPPER]}] in episode 2" in finding.field
+    assert "nothing any more that holds it back" in finding.found
+    assert ("next.success comes all the same" in finding.found) == says_so
+    assert (finding.severity, finding.episodes) == ("note", (2,))
+
+
+def test_an_episode_in_which_the_arm_lost_the_cube_is_a_failure_by_the_simulator():
+    root = find_dataset("arm")
+    lost = [number for each in z2r.audit(root).findings if each.check == "grasp" for number in each.episodes]
+    verdict = read_verdict(root)
+    assert lost
+    assert not any(verdict.episodes[number].success for number in lost)
 
 
 def early(recording: Recording, *episodes: int, by: int = 60) -> Recording:

@@ -107,7 +107,7 @@ def test_a_column_that_lies_higher_as_a_whole_is_a_note(tmp_path):
     assert (finding.severity, finding.episodes) == ("note", (3,))
 
 
-@pytest.mark.parametrize(("stays", "named"), [(1.0, {"note"}), (0.0, set())])
+@pytest.mark.parametrize(("stays", "named"), [(1.0, {"note"}), (0.75, {"note"}), (0.0, set())])
 def test_a_zero_that_moved_is_named_where_episodes_begin_and_end_by_it(stays, named, tmp_path):
     recording, rng = make("so101", 0), np.random.default_rng(3)
     moved = (1, 4, 7, 9, 10)

@@ -6,6 +6,7 @@ episodes, nobody knows which of them is right: so all of this is a note.
 
 from collections.abc import Iterator
 from itertools import permutations
+from typing import NamedTuple
 
 import numpy as np
 
@@ -109,32 +110,108 @@ def _to_the_nearest(states: Floats, row: int, others: Ints) -> float:
     return float(np.sqrt(np.square(states[others[others != row]] - states[row]).mean(axis=(1, 2)).min()))
 
 
-@Check("grasp", "a gripper closes on what it closes on in the other episodes", "note").of(Runs)
-def grippers_hold_something(runs: Runs) -> Iterator[Answer]:
-    """Does a gripper come to where it is told to be, where something between its fingers holds it back elsewhere?"""
+GRASP = Check("grasp", "a gripper holds what it holds in the other episodes, until it is told to open", "note")
+
+
+class _Grip(NamedTuple):
+    """How a gripper holds something, at some moments of each run: all (n_runs, n_moments), and usual a number.
+
+    Attributes
+    ----------
+    column : int
+        Of the state.
+    span : float
+        What it goes through.
+    command : ndarray
+        Where it is told to be.
+    beside : ndarray, float64
+        How far from there it stands: 0 where it moves.
+    stands : ndarray of bool
+        Whether it does.
+    held : ndarray, float64[n_runs]
+        How far beside its command it stands in most of its moments that are so, but for a few.
+    usual : float
+        That of most runs.
+    """
+
+    column: int
+    span: float
+    command: Floats
+    beside: Floats
+    stands: Bools
+    held: Floats
+    usual: float
+
+
+def _grips(runs: Runs) -> Iterator[_Grip]:
+    """Yield the grippers that have a command of their own, and hold something in at least half of the episodes."""
     labels = {name: runs.claims.schema.features[name].labels for name in (STATE, ACTION) if name in runs.stats}
-    seen, asked = (runs.moments_of(name) for name in (STATE, ACTION))
+    seen, asked = (runs.moments_of(name).astype(np.float64) for name in (STATE, ACTION))
     if len(labels) < 2 or not seen.size or len(runs.number) < MIN_EPISODES:
         return
     for column, name in enumerate(labels[STATE]):
         if not is_gripper(name) or labels[ACTION].count(name) != 1:
             continue
-        span = runs.spans(STATE)[column]
-        stands = np.abs(seen[:, :, 1, column]) <= _STANDS * span  # (n_runs, n_moments)
+        span = float(runs.spans(STATE)[column])
+        stands = np.abs(seen[:, :, 1, column]) <= _STANDS * span
         command = asked[:, :, 0, labels[ACTION].index(name)]
-        closes = np.ptp(command, axis=1) >= np.median(np.ptp(command, axis=1)) / 2
-        beside = np.abs(command - seen[:, :, 0, column])
-        held = np.sort(np.where(stands, beside, 0), axis=1)[:, -_LATER].astype(np.float64)
+        beside = np.where(stands, np.abs(command - seen[:, :, 0, column]), 0)
+        held = np.sort(beside, axis=1)[:, -_LATER]
         usual = float(np.quantile(held, _MOST))
-        wrong: Bools = (held <= _NOT_HELD * usual) & (held > 0) & closes  # a command may be a copy of the state
-        holds = (held >= max(_HELD_BACK * span, usual / 2)).mean() >= _HALF
-        if wrong.any() and holds and held[~wrong].min() >= _CLEARLY * held[wrong].max() and share_a_task(runs, wrong):
-            number = runs.number[wrong].tolist()
-            place = f"{column_label(STATE, runs.claims.schema.features[STATE], column)} in {episodes_named(number)}"
+        if (held >= max(_HELD_BACK * span, usual / 2)).mean() >= _HALF:
+            yield _Grip(column, span, command, beside, stands, held, usual)
+
+
+@GRASP.of(Runs)
+def grippers_hold_something(runs: Runs) -> Iterator[Answer]:
+    """Does a gripper come to where it is told to be, where something between its fingers holds it back elsewhere?"""
+    for grip in _grips(runs):
+        held, closes = grip.held, np.ptp(grip.command, axis=1)
+        wrong: Bools = (held <= _NOT_HELD * grip.usual) & (held > 0)  # a command may be a copy of the state
+        wrong &= closes >= np.median(closes) / 2
+        if wrong.any() and held[~wrong].min() >= _CLEARLY * held[wrong].max() and share_a_task(runs, wrong):
             found = f"{held[wrong].max():.2g} beside its command at most, where it stands"
-            expected = f"about {usual:.3g}, as in the other episodes, where something holds it back"
+            expected = f"about {grip.usual:.3g}, as in the other episodes, where something holds it back"
             mend = "Did it close on nothing, or on something thinner? Look at the pictures, and at what the label says"
-            yield Fault(DATA_DIR, place, found, expected, mend, tuple(number))
+            yield _fault_of(runs, grip, wrong, found, expected, mend)
+
+
+@GRASP.of(Runs)
+def grippers_lose_nothing(runs: Runs) -> Iterator[Answer]:
+    """Does what held a gripper back go, while the command stays as it is? In the other episodes it opens before."""
+    for grip in _grips(runs):
+        wrong: Bools = _moments_after_a_loss(grip) >= _LATER
+        if wrong.any() and wrong.mean() <= _FEW:
+            found = "nothing any more that holds it back, although it stays closed"
+            if runs.comes is not None and np.isfinite(runs.comes[wrong, 0]).all():
+                found += f", and {label_of(runs.claims.schema)} comes all the same"
+            expected = "something until it is told to open, as in the other episodes"
+            mend = "Was something lost on the way? Look at the pictures, and at what the label says"
+            yield _fault_of(runs, grip, wrong, found, expected, mend)
+
+
+def _moments_after_a_loss(grip: _Grip) -> Ints:
+    """Count the moments of each run in which nothing holds the gripper back, since it last held something and closed.
+
+    What opens in between lets go.
+    """
+    usual = np.maximum(grip.held, _NOT_HELD * grip.usual)[:, None]  # (n_runs, 1): one may hold what is thinner
+    holds = grip.beside >= usual / 2
+    middle = (2 * holds.cumsum(axis=1) >= holds.sum(axis=1, keepdims=True)).argmax(axis=1)
+    closed = np.take_along_axis(grip.command, middle[:, None], axis=1)
+    opens = np.abs(grip.command - closed) > _HELD_BACK * grip.span
+    empty = ~opens & grip.stands & (grip.beside <= _NOT_HELD * usual)
+    last_open, last_held = (
+        np.maximum.accumulate(np.where(so, np.arange(so.shape[1]), -1), axis=1) for so in (opens, holds & ~opens)
+    )
+    lost: Ints = (empty & (last_held > last_open)).sum(axis=1)
+    return lost
+
+
+def _fault_of(runs: Runs, grip: _Grip, wrong: Bools, found: str, expected: str, mend: str) -> Fault:
+    number = runs.number[wrong].tolist()
+    label = column_label(STATE, runs.claims.schema.features[STATE], grip.column)
+    return Fault(DATA_DIR, f"{label} in {episodes_named(number)}", found, expected, mend, tuple(number))
 
 
 @LABEL_MOMENT.of(Runs)

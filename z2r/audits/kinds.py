@@ -29,10 +29,7 @@ _FEW, _FEW_OF_THE_STATE = 0.3, 0.1  # of the episodes: of so many, `z2r.audits.v
 
 
 class _Kinds(NamedTuple):
-    """Which runs are of the rarer kind, bool[n_runs]; by what that is told, what it is in both, and how clearly.
-
-    Of two that are as many, it is the kind that the first run is not of.
-    """
+    """Which runs are of the rarer kind, bool[n_runs]; by what that is told, what it is in both, and how clearly."""
 
     few: Bools
     what: str
@@ -74,7 +71,6 @@ def _two_kinds(sums: dict[str, Floats], spans: Floats) -> _Kinds | None:
     for what, values in sums.items():
         rarer, gap, spread = parted(values)
         few = np.isin(np.arange(len(values)), rarer)
-        few ^= few[0] and 2 * len(rarer) == len(values)
         moves = min(np.median(spans[few]), np.median(spans[~few])) > 0  # a label that rests is a label
         far = gap / max(float(np.median(spans)), 1e-300)
         if len(rarer) >= _MIN_OF_A_KIND and moves and gap >= _APART * spread and far > _SHARE[what]:

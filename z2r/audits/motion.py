@@ -331,7 +331,7 @@ def _ends_there_too(first: Floats, last: Floats, span: float) -> bool:
     That is rarer than to begin elsewhere, so that less of it says something.
     """
     (few, gap, spread), (others, its_gap, its_spread) = parted(first), parted(last)
-    apart = gap >= max(_ONE_APART * spread, _FAR_HOME * span) and its_gap >= max(its_spread, _FAR_HOME * span)
+    apart = gap >= max(_ONE_APART * spread, _FAR_HOME * span) and its_gap >= max(its_spread, _FAR_HOME / 2 * span)
     if not apart or not np.array_equal(np.sort(few), np.sort(others)):
         return False
     rest = np.setdiff1d(np.arange(len(first)), few)
@@ -348,13 +348,10 @@ def episodes_are_not_shifted(runs: Runs) -> Iterator[Answer]:
     ranges = runs.spans(STATE)
     for column in np.flatnonzero(often_moves(runs, STATE)).tolist():
         seen = np.stack([_marks(runs, size)[:, 0, column], stats.low[:, column], stats.high[:, column]])  # (3, n_runs)
-        order = np.argsort(seen[1], kind="stable")
-        cut = int(np.diff(seen[1, order]).argmax()) + 1
-        below, above = seen[:, order[:cut]], seen[:, order[cut:]]
-        gap, spread = above.min(axis=1) - below.max(axis=1), np.maximum(np.ptp(below, axis=1), np.ptp(above, axis=1))
-        few = min(order[:cut], order[cut:], key=len)
-        wrong = np.isin(np.arange(len(order)), few)
+        wrong = np.isin(np.arange(len(runs.number)), parted(seen[1])[0])
         by = float(np.median(seen[1, wrong]) - np.median(seen[1, ~wrong]))
+        below, above = (seen[:, wrong], seen[:, ~wrong]) if by < 0 else (seen[:, ~wrong], seen[:, wrong])
+        gap, spread = above.min(axis=1) - below.max(axis=1), np.maximum(np.ptp(below, axis=1), np.ptp(above, axis=1))
         goes = np.median(stats.high[:, column] - stats.low[:, column])  # where it hardly does, each rests at its own
         apart = (gap >= np.maximum(_SHIFTED * spread, _SHARE * ranges[column])).all()
         if apart and goes >= abs(by) and share_a_task(runs, wrong):
@@ -441,15 +438,15 @@ def _nearest(marks: Floats) -> tuple[Floats, Ints]:
     if not marks.size:
         return np.full(len(marks), np.nan), np.zeros(len(marks), dtype=np.int64)
     order = np.argsort(np.nansum(marks[:, : marks.shape[1] // 2], axis=(1, 2)), kind="stable")
-    marks = marks[order]
-    moves = (np.abs(np.diff(marks, axis=1)) > _MOVED).sum(axis=(1, 2))
-    distance, neighbour = np.full(len(marks), np.inf), np.zeros(len(marks), dtype=np.int64)
+    marks = np.ascontiguousarray(marks[order].transpose(1, 2, 0))  # (n_marks, size, n): numpy adds long rows up faster
+    moves = (np.abs(np.diff(marks, axis=0)) > _MOVED).sum(axis=(0, 1))
+    distance, neighbour = np.full(len(order), np.inf), np.zeros(len(order), dtype=np.int64)
     for ahead in range(1, min(_NEIGHBOURS, len(order) - 1) + 1):
         one, other = slice(-ahead), slice(ahead, None)
-        between = marks[one] - marks[other]
-        apart = np.einsum("nmc,nmc->nm", between, between) / marks.shape[2]  # (n, n_marks)
-        common = np.isfinite(apart).sum(axis=1)
-        far = np.sqrt(np.nansum(apart, axis=1) / np.maximum(common, 1))
+        between = marks[..., one] - marks[..., other]
+        apart = np.square(between, out=between).mean(axis=1)  # (n_marks, n)
+        common = np.isfinite(apart).sum(axis=0)
+        far = np.sqrt(np.nansum(apart, axis=0) / np.maximum(common, 1))
         far[(common < _COMMON) | (moves[one] < _TELLING)] = np.inf
         for mine, its in ((one, other), (other, one)):
             np.copyto(neighbour[mine], order[its], where=far < distance[mine])
@@ -508,17 +505,22 @@ def _median(values: Floats) -> Floats:
 def parted(values: Floats) -> tuple[Ints, float, float]:
     """Part values at the largest gap: which are the fewer, how wide it is, and how far the wider of the two spreads.
 
+    Of two that are as many, it is those that the first value is not among.
+
     Examples
     --------
     >>> few, gap, spread = parted(np.array([3.0, 9.0, 2.0, 2.5]))
     >>> few.tolist(), gap, spread
     ([1], 6.0, 1.0)
+    >>> parted(np.array([9.0, 3.0, 2.0, 9.0]))[0].tolist()
+    [2, 1]
     """
     order = np.argsort(values, kind="stable")
     gaps = np.diff(values[order])
     cut = int(gaps.argmax()) + 1
     groups = (order[:cut], order[cut:])
-    return min(groups, key=len), float(gaps[cut - 1]), max(float(np.ptp(values[group])) for group in groups)
+    few = min(groups, key=lambda group: (len(group), 0 in group))
+    return few, float(gaps[cut - 1]), max(float(np.ptp(values[group])) for group in groups)
 
 
 def share_a_task(runs: Runs, wrong: Bools) -> bool:
