@@ -95,27 +95,24 @@ def no_joint_is_cut_with_its_command(runs: Runs) -> Iterator[Answer]:
     if not moments.size or ACTION not in runs.stats:
         return
     labels, asked = (runs.claims.schema.features[name].labels for name in (STATE, ACTION))
-    values, speed, spans = moments[:, :, 0], np.abs(moments[:, :, 1]), runs.spans(STATE)
-    moves = often_moves(runs, STATE)
+    spans, moves = runs.spans(STATE), often_moves(runs, STATE)
     for column in np.flatnonzero(moves).tolist():
         name = labels[column]
         if asked.count(name) != 1 or is_gripper(name):
             continue
+        values, others = moments[:, :, 0, column], moves & (np.arange(len(moves)) != column)
         for end, sign in (("low", -1), ("high", 1)):
-            mine, its = (sign * getattr(runs.stats[each], end) for each in (STATE, ACTION))
-            limit, there = _shared(mine[:, column])
-            goes_on = its[there, asked.index(name)].max() - limit > _SHARE * spans[column]
-            if (
-                goes_on
-                or there.sum() < _MIN_EPISODES
-                or not _arrives_at_speed(sign * values[there, :, column], limit, spans[column])
-            ):
+            limit, there = _shared(sign * getattr(runs.stats[STATE], end)[:, column])
+            its = sign * getattr(runs.stats[ACTION], end)[there, asked.index(name)]
+            goes_on = its.max() - limit > _SHARE * spans[column]
+            if goes_on or there.sum() < _MIN_EPISODES or not others.any():
                 continue
-            stands = values[there, :, column] == np.float32(sign * limit)
-            others = moves & (np.arange(len(moves)) != column)
-            usual = np.nanmean(speed[:, :, others], axis=(0, 1))
-            if others.any() and np.nanmean(speed[there][stands][:, others] / usual) >= _OTHERS_MOVE:
-                share = stands.sum() / max(int(np.isfinite(values[:, :, column]).sum()), 1)
+            if not _arrives_at_speed(sign * values[there], limit, spans[column]):
+                continue
+            stands = there[:, None] & (values == np.float32(sign * limit))
+            speed = np.abs(moments[:, :, 1][:, :, others])
+            if np.nanmean(speed[stands] / np.nanmean(speed, axis=(0, 1))) >= _OTHERS_MOVE:
+                share = stands.sum() / int(np.isfinite(values).sum())
                 found = f"{sign * limit:.4g} at {share:.0%} of all moments, the {end}est value, while the others move"
                 mend = "Is it a stop of the joint, or a limit of a calibration or a program that hides where it was?"
                 expected = "a joint that slows down where it turns back, and readings that differ a little"
