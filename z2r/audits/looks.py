@@ -43,7 +43,7 @@ _HARDLY = 0.25  # of a large change while the robot moves
 _SLOW, _TURNS = 0.2, 8  # of the robot's way, and steps between two in which it moves
 _FITFUL = 0.5  # of these steps: from little change to more, or back
 
-_MOSTLY = 0.5  # of the robot's way
+_MOSTLY, _A_WHILE, _NEVER = 0.5, 0.12, 0.03  # of the robot's way
 _MIN_HUNG = 10  # frames, and at least a second
 _HUNG, _FARTHER_THAN, _AS_FAST = 0.03, 2, 0.5  # of its way; times as far as in most episodes; of its usual speed
 _PAIRS, _APART = 8, 1.5  # pairs of pictures, and frames between those that are far apart
@@ -252,7 +252,7 @@ def _way(places: Floats) -> Floats:
 
 def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths: Mapping[int, _Path]) -> Look:
     number, moves = runs.claims.stored.episodes.value.table.number, _robot_moves(runs)
-    flat, blank, dark, still, slow = np.zeros((5, len(moves)), dtype=bool)
+    flat, blank, dark, still, hung, slow = np.zeros((6, len(moves)), dtype=bool)
     flicker, broken, leap, swing, focus, disorder = np.zeros((6, len(moves)), dtype=bool)
     share, again = {}, {}
     for row, glance in seen.items():
@@ -270,6 +270,8 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths:
             way = np.diff(np.interp(glance.frame, path.frames, path.way))
             share[row] = _longest(way, glance.peak <= _NOISE) / max(way.sum(), _TINY)
             still[row] = share[row] >= _MOSTLY
+            elsewhere = (way * (glance.peak <= _NOISE)).sum() / max(way.sum(), _TINY) - share[row]
+            hung[row] = elsewhere <= _NEVER and _A_WHILE <= share[row] < _MOSTLY
             again[row], repeats = _repeats(way, glance.peak)
             slow[row] = repeats and not still[row]
             other = still[row] or slow[row] or flicker[row] or broken[row] or swing[row]
@@ -287,6 +289,7 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths:
         blank=Suspects(blank, lambda row: _blanks(seen[row])),
         dark=Suspects(dark, lambda row: _blanks(seen[row])),
         still=Suspects(still, lambda row: f"the same picture for {share[row]:.0%} of the robot's way"),
+        hung=Suspects(hung, lambda row: f"hardly a change of the picture for {share[row]:.0%} of the robot's way"),
         flicker=Suspects(flicker, lambda row: _said_of_flicker(seen[row])),
         broken=Suspects(broken, lambda row: _said_of_breaks(seen[row])),
         leap=Suspects(leap, lambda row: _said_of_leap(seen[row])),
@@ -328,7 +331,12 @@ def _with_hung(look: Look, rests: Mapping[int, Ints], runs: Runs, paths: Mapping
     wrong &= (n >= max(_MIN_HUNG, runs.claims.schema.fps)) & (way >= _AS_FAST * n / np.maximum(length, 1))
     wrong &= ~(look.flat.wrong | look.still.wrong | look.slow.wrong)
     said = "the same picture in {:.0f} frames from frame {} on, for {:.0%} of the robot's way"
-    return look._replace(hung=Suspects(wrong, lambda row: said.format(n[row], rests[row][0], way[row])))
+    hardly = look.hung  # as a few decoded pictures say: where wheels slip, noise goes on
+
+    def found(row: int) -> str:
+        return said.format(n[row], rests[row][0], way[row]) if wrong[row] else hardly.found(row)
+
+    return look._replace(hung=Suspects(wrong | hardly.wrong, found))
 
 
 def _bars(views: Sequence[NDArray[np.uint8]]) -> str:
