@@ -16,6 +16,7 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
+from types import SimpleNamespace
 
 import av
 import numpy as np
@@ -59,8 +60,10 @@ from layouts import data_files
 from test_audit import said
 
 import z2r
-from z2r.audits import cameras, pictures
+from z2r.audits import cameras, pictures, together
+from z2r.audits.copies import pictures_of_neighbours
 from z2r.audits.findings import AUDIT, Finding
+from z2r.audits.footage import _longest_rest
 from z2r.audits.signs import Signs, parted
 from z2r.audits.together import Take, fit
 from z2r.check import parts_in
@@ -660,6 +663,24 @@ def test_images_that_are_the_same_are_named(wrong, check, severity, place, kind,
     assert re.search(f"{SIDE} {place}", str(finding))
 
 
+def test_images_that_are_the_same_for_a_while_are_named(album):
+    photograph(album, SIDE, only(hung_for_a_while, 4))
+    [finding] = [each for each in of_cameras(z2r.audit(album, pictures=True)) if each.check == "camera-frozen"]
+    assert re.search(rf"{SIDE} in episode 4: found the same picture in 1\d frames from frame 21 on", str(finding))
+
+
+@given(st.lists(st.tuples(st.booleans(), st.booleans()), min_size=1, max_size=30), st.data())
+def test_the_longest_rest_of_each_episode_is_found(frames, data):
+    rests, other = np.array(frames).T
+    may_rest = rests | other
+    cuts = data.draw(st.lists(st.integers(0, len(frames)), min_size=2, max_size=5).map(sorted))
+    spans = np.stack([cuts[:-1], cuts[1:]], axis=1)
+    for (start, stop), (first, n) in zip(spans.tolist(), _longest_rest(rests, may_rest, spans).tolist(), strict=True):
+        every = [(i, j) for i in range(start, stop) for j in range(i, stop) if rests[j] and may_rest[i : j + 1].all()]
+        assert n == max((j + 1 - i for i, j in every), default=0)
+        assert n == 0 or (start + first, start + first + n - 1) in every
+
+
 # --- what the pictures show, once they are decoded
 
 
@@ -745,7 +766,22 @@ def pushed(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray
 
 def hung_for_a_while(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
     pictures = list(film(camera, episode, states))
-    return (pictures[20 if 20 <= frame < 36 else frame] for frame in range(len(pictures)))
+    return (pictures[20 if 20 <= frame < 34 else frame] for frame in range(len(pictures)))
+
+
+def of_a_neighbour(n: int, *, again: bool = False) -> Film:
+    """So many pictures are of the episode before, or of the next: the video is late, or its last one stays."""
+
+    def filmed(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
+        own, other = list(film(camera, episode, states)), episode - (1 if n > 0 else -1)
+        if not 0 <= other < len(LENGTHS):
+            return iter(own)
+        its = list(film(camera, other, wander(other, LENGTHS[other])))
+        if again:
+            return iter([*its[-1:] * n, *own[n:]] if n > 0 else [*own[:n], *its[:1] * -n])
+        return iter([*its[-n:], *own[:-n]] if n > 0 else [*own[-n:], *its[:-n]])
+
+    return filmed
 
 
 def under_lamps(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
@@ -869,7 +905,19 @@ SEEN = {
         only(hung_for_a_while, 4),
         "camera-frozen",
         "note",
-        r"in episode 4: found the same picture for \d\d%",
+        r"in episode 4: found the same picture in 1\d frames from frame 2[01] on, for \d\d% of the robot's way",
+    ),
+    "two pictures late": (
+        of_a_neighbour(2),
+        "camera-motion",
+        "warning",
+        r"in episode 1: found first two pictures like the last of the episode before \(and [3-6] more",
+    ),
+    "two pictures of the next": (
+        of_a_neighbour(-2, again=True),
+        "camera-motion",
+        "warning",
+        r"in episode 0: found last two pictures like the first of the next \(and [2-6] more",
     ),
     "slow in an episode": (only(thrice, 3), "camera-frozen", "warning", "in episode 3: found the picture of before"),
     "always slow": (thrice, "camera-frozen", "note", "in episode 0: found the picture of before again"),
@@ -1007,6 +1055,45 @@ def test_pictures_are_not_held_against_a_robot_that_is_where_it_never_was():
     wrong = np.roll(seen[4], 30, axis=0)
     assert fit(takes | {4: Take(wrong, times, places[4], times)}).astray.keys() == {4}
     assert not fit(takes | {4: Take(wrong, times, places[4] + 3, times)}).astray
+
+
+@pytest.mark.parametrize(("n_wrong", "n_named"), [(5, 5), (6, 0)])
+def test_most_episodes_are_never_the_odd_ones(n_wrong, n_named):
+    rng, times = np.random.default_rng(1), np.arange(60) / 10
+    places = np.cumsum(rng.normal(size=(10, 60, 2)), axis=1)
+    seen = np.tanh(places @ rng.normal(size=(2, 5)) / 9)
+    noise = rng.normal(0, 0.3, size=(10, 60, 5))
+    shown = np.where(np.arange(10)[:, None, None] < n_wrong, noise, seen)
+    astray = fit({number: Take(shown[number], times, places[number], times) for number in range(10)}).astray
+    assert [*astray] == [*range(n_named)]
+    assert all(found.startswith("pictures of something else") for found in astray.values())
+
+
+@pytest.mark.parametrize(
+    ("own", "typical", "spread", "named"),
+    [
+        (0.24, 0.9, 0.02, True),  # it must fit nothing
+        (0.26, 0.9, 0.02, False),
+        (0.14, 0.5, 0.02, True),  # and be far below what is usual, in correlation
+        (0.16, 0.5, 0.02, False),
+        (0.19, 0.9, 0.1, True),  # and in spreads
+        (0.21, 0.9, 0.1, False),
+    ],
+)
+def test_pictures_of_something_else_are_far_below_what_is_usual(own, typical, spread, named, monkeypatch):
+    monkeypatch.setattr(together, "_fits_of_others", lambda learned, number: [(-1.0, 1)])
+    monkeypatch.setattr(together, "_is_elsewhere", lambda learned, number: False)
+    learned = together._Learned({}, None, {}, {0: np.full(31, own)})
+    assert bool(together._odd(learned, 0, 15, np.zeros(31), typical, spread)) == named
+
+
+def test_one_episode_that_begins_with_a_neighbours_picture_is_found():
+    rng = np.random.default_rng(0)
+    ends = np.repeat(rng.integers(0, 256, (8, 2, 1, 24, 32)), 3, axis=2).astype(np.uint8)
+    assert not pictures_of_neighbours({row: SimpleNamespace(ends=own) for row, own in enumerate(ends)})
+    ends[3, 0, 0] = ends[2, 1, 0]
+    seen = {row: SimpleNamespace(ends=own) for row, own in enumerate(ends)} | {8: SimpleNamespace(ends=None)}
+    assert pictures_of_neighbours(seen) == {3: "first picture like the last of the episode before"}
 
 
 def test_statistics_from_0_to_255_are_named(root):

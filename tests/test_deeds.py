@@ -141,6 +141,32 @@ def test_a_label_that_comes_too_soon_is_named(episodes, without, tmp_path):
     assert ("nobody knows which of them are right" in finding.mend) == (len(episodes) > 1)
 
 
+@pytest.mark.parametrize("episodes", [(5,), range(12)])
+@pytest.mark.parametrize(
+    ("reward", "said"),
+    [
+        (lambda n: np.arange(n) < n // 5, "1 in the first frame and 0 in the end"),
+        (lambda n: np.ones(n), "1 in every frame"),
+        (lambda n: np.arange(n) < n - 1, ""),  # a penalty in the end
+        (lambda n: np.where(np.arange(n) < n // 5, 0, -1), ""),
+    ],
+)
+def test_a_reward_before_anything_was_done_is_named(reward, said, episodes, tmp_path):
+    recording = make("scored", 0)
+    for number, own in enumerate(recording.episodes):
+        n = len(own[TASK])
+        lowest = min(reward(n).min(), 0)
+        own["next.reward"] = (reward(n) if number in episodes else np.full(n, lowest)).astype(np.float32)
+        if said:
+            own["next.reward"][-1] += number not in episodes
+        del own["next.success"]
+    findings = [each for each in found(recording, tmp_path / "dataset", "label-moment") if "next.reward" in each.field]
+    everywhere = "every frame" in said and len(episodes) > 1  # which `label-constant` says
+    assert [(each.found, each.episodes) for each in findings] == [(said, tuple(episodes))] * bool(
+        said and not everywhere
+    )
+
+
 def test_a_success_elsewhere_is_named_by_where(tmp_path):
     recording = make("scored", 0)
     for name in (STATE, ACTION):
@@ -162,6 +188,18 @@ def test_a_reward_of_many_levels_comes_at_no_moment(tmp_path):
 def test_the_largest_gap_parts_values():
     few, gap, spread = parted(np.array([5.0, 1, 1.5, 0.5, 5.25]))
     assert (sorted(few.tolist()), gap, spread) == ([0, 4], 3.5, 1.0)
+
+
+@pytest.mark.parametrize(("n", "n_said"), [(5, 2), (6, 1), (8, 0)])
+def test_it_is_said_where_there_are_too_few_episodes_for_kinds_and_labels(n, n_said, tmp_path):
+    recording, rng = make("scored", 0), np.random.default_rng(0)
+    recording = replace(recording, names=recording.names | {IMU: ("ax",)})
+    del recording.episodes[n:]
+    for own in recording.episodes:
+        own[IMU] = rng.normal(size=(len(own[TASK]), 1))
+    write(recording, tmp_path / "dataset")
+    few = [each for each in z2r.audit(tmp_path / "dataset").not_checked if ": there are fewer than" in each]
+    assert sum("means the same in all" in each or "comes where it does" in each for each in few) == n_said
 
 
 # --- copies
@@ -329,13 +367,32 @@ def test_a_column_of_two_kinds_is_a_note(episodes, said, tmp_path):
         assert "9.8" in findings[0].expected
 
 
-def test_a_sensor_that_rests_in_some_episodes_is_of_two_kinds(tmp_path):
+@pytest.mark.parametrize("feature", [IMU, STATE])
+@pytest.mark.parametrize(
+    ("lost", "moves", "named"), [((0, 1, 2, 3), 1.0, True), (range(5, 12), 1.0, True), ((0, 1, 2, 3), 0.3, False)]
+)
+def test_a_sensor_that_is_lost_in_many_episodes_is_named(feature, lost, moves, named, tmp_path):
+    """Not one that often rests where it is not lost, as what is pushed or gripped does."""
     recording, rng = make("so101", 0), np.random.default_rng(0)
-    recording = replace(recording, names=recording.names | {IMU: ("range",)})
+    names = [*recording.names.get(feature, ()), "range"]
+    recording = replace(recording, names=recording.names | {feature: names})
     for number, own in enumerate(recording.episodes):
-        own[IMU] = rng.normal(2, 0.1, (len(own[TASK]), 1)) * (number > 2)
-    [finding] = found(recording, tmp_path / "dataset", "two-kinds")
-    assert finding.episodes == (0, 1, 2)
+        n = len(own[TASK])
+        seen = np.cumsum(rng.normal(0, 0.1, n) * (rng.random(n) < moves)) if number not in lost else np.full(n, 4.0)
+        own[feature] = np.column_stack([*own.get(feature, np.empty((n, 0))).T, seen])
+    findings = [each for each in found(recording, tmp_path / "dataset", "frozen") if "range" in each.field]
+    assert [(each.severity, each.episodes) for each in findings] == [("note", tuple(lost))] * named
+    assert all("4 in all frames" in each.found for each in findings)
+
+
+@pytest.mark.parametrize(("told", "named"), [(True, False), (False, True)])
+def test_a_joint_that_is_told_to_rest_in_many_episodes_is_not_lost(told, named, tmp_path):
+    recording, rng = make("so101", 0), np.random.default_rng(0)
+    for number, own in enumerate(recording.episodes):
+        own[STATE][:, 4] = (own[STATE][:, 4] + rng.normal(0, 0.2, len(own[STATE]))) * (number > 5)
+        own[ACTION][:, 4] *= number > 5 or not told
+    findings = [each for each in found(recording, tmp_path / "dataset", "frozen") if POS[4] in each.field]
+    assert [each.episodes for each in findings] == [tuple(range(6))] * named
 
 
 def test_two_kinds_that_the_tasks_explain_are_none(tmp_path):

@@ -21,6 +21,8 @@ from z2r.arrays import Floats, Ints, Pile, Progress, join_all, no_progress
 from z2r.audits import (
     cameras,
     deeds,
+    ends,
+    gears,
     index,
     joints,
     kinds,
@@ -76,8 +78,10 @@ PARTS = parts_in(
     tasks,
     values,
     joints,
+    gears,
     scales,
     motion,
+    ends,
     relations,
     stats,
     quantiles,
@@ -551,6 +555,7 @@ def _not_checked(claims: Claims, sums: Sequence[FileSums], scene: Scene | None) 
         yield "episodes against each other: `episode_index` of some file cannot be used"
     yield from _meaning_not_checked(claims, sums, scene)
     yield from _motion_not_checked(claims, sums)
+    yield from _kinds_not_checked(claims)
     findings = (finding for part in sums for finding in part.findings)
     gaps = {re.split(r"\[| in row ", each.field)[0] for each in findings if each.check == values.FINITE.name}
     if gaps:
@@ -593,6 +598,19 @@ def _motion_not_checked(claims: Claims, sums: Sequence[FileSums]) -> Iterator[st
     if why := relations.not_related(claims.schema, len(claims.table.number), kept):
         told_too = "how finely it is stored, what a gripper holds, and whether an episode goes as its task"
         yield f"whether each column goes with the others, {told_too}: {why}"
+
+
+def _kinds_not_checked(claims: Claims) -> Iterator[str]:
+    """Say what is not told of so few episodes, where there is something to tell."""
+    others = [name for name in claims.schema.signals() if name not in (STATE, ACTION)]
+    label = deeds.label_of(claims.schema)
+    asked = (
+        (others, kinds.MIN_EPISODES, f"whether {some(others)} means the same in all episodes"),
+        (label, deeds.MIN_EPISODES, f"whether {label} comes where it does in the other episodes"),
+    )
+    for is_there, least, what in asked:
+        if is_there and len(claims.table.number) < least:
+            yield f"{what}: there are fewer than {least}"
 
 
 def _meaning_not_checked(claims: Claims, sums: Sequence[FileSums], scene: Scene | None) -> Iterator[str]:

@@ -12,6 +12,7 @@ import numpy as np
 
 from z2r.arrays import Bools, Floats, Ints
 from z2r.audits.frames import FileFrames
+from z2r.audits.labels import LABEL_MOMENT
 from z2r.audits.motion import parted, share_a_task
 from z2r.audits.runs import Runs
 from z2r.audits.steps import run_of
@@ -31,7 +32,7 @@ _FEW = 0.25  # of the episodes of a task: of more, nobody knows whether the text
 _MAX_TEXT, _FINE = 60, 0.01  # characters of a text that are shown; and of a range, what is always nearly the same
 _SAMPLE = 64  # episodes of a task, by which it is known how near they come to each other
 
-_MIN_EPISODES = 8  # of which one comes elsewhere
+MIN_EPISODES = 8  # of which one comes elsewhere
 _BEYOND, _SURELY = 1.5, 5  # times as far as the others are from each other, of one alone, and of several
 _SHARE = 0.15  # of a column's range
 _MANY = 0.3  # of the episodes: the others need not be the right ones
@@ -167,7 +168,7 @@ def _grips(runs: Runs) -> Iterator[_Grip]:
     """Yield the grippers that have a command of their own, and hold something in at least half of the episodes."""
     labels = {name: runs.claims.schema.features[name].labels for name in (STATE, ACTION) if name in runs.stats}
     seen, asked = (runs.moments_of(name).astype(np.float64) for name in (STATE, ACTION))
-    if len(labels) < 2 or not seen.size or len(runs.number) < _MIN_EPISODES:
+    if len(labels) < 2 or not seen.size or len(runs.number) < MIN_EPISODES:
         return
     for column, name in enumerate(labels[STATE]):
         if not is_gripper(name) or labels[ACTION].count(name) != 1:
@@ -234,13 +235,13 @@ def _fault_of(runs: Runs, grip: _Grip, wrong: Bools, found: str, expected: str, 
     return Fault(DATA_DIR, f"{label} in {episodes_named(number)}", found, expected, mend, tuple(number))
 
 
-@Check("label-moment", "a success or a reward comes where it does in the other episodes", "note").of(Runs)
+@LABEL_MOMENT.of(Runs)
 def labels_come_where_they_do_elsewhere(runs: Runs) -> Iterator[Answer]:
     """Does a label come in a state, or so many frames before the end, as in no other episode?"""
     come = (
         np.flatnonzero(np.isfinite(runs.comes).all(axis=1)) if runs.comes is not None else np.empty(0, dtype=np.int64)
     )
-    if runs.comes is None or len(come) < _MIN_EPISODES:
+    if runs.comes is None or len(come) < MIN_EPISODES:
         return
     column, few = _elsewhere(runs.comes[come], np.append(np.median(runs.n_frames[come]), runs.spans(STATE)))
     wrong: Bools = np.isin(np.arange(len(runs.number)), come[few])

@@ -25,8 +25,13 @@ from z2r.format.videos import read_video
 
 _ALIKE = 2  # bytes: what is encoded alike differs by no more
 _ENDS = 2  # pictures
+_MANY = 4  # pictures from one that can be decoded alone to the next
 _PLACES = 129  # of the robot in each episode: enough to know where it is in between
 _MAX_LENGTH = 2**31  # frames of an episode: a sum of lengths that somebody claims must not overflow
+
+# Measured on h264, hevc and av1 as LeRobot encodes them, 96 x 96 to 480 x 640: a picture that is the same as the one
+# before takes 18 to 66 bytes.
+_SAME, _PIXELS_TO_A_SAME_BYTE = 48, 4096
 
 # Measured from 96 x 96 to 480 x 640: one colour takes 107 to 1,949 bytes as PNG (level 6), and 771 to 5,429 as JPEG;
 # the plainest drawing 492 to 2,726, and 1,317 to 8,710.
@@ -170,6 +175,65 @@ def _pictures(index: VideoIndex, claims: VideoClaims, step: float) -> Pictures:
     return Pictures(_distances(index.times, claims, step), key, other, alike)
 
 
+def longest_rests(index: VideoIndex, spans: Ints) -> Ints:
+    """Find where it takes next to nothing for longest that pictures change, in each span of a video.
+
+    Parameters
+    ----------
+    index : VideoIndex
+        Of which only that part is looked at in which the spans lie.
+    spans : ndarray, int64[n_spans, 2]
+        The first picture of each, and one past its last.
+
+    Returns
+    -------
+    ndarray, int64[n_spans, 2]
+        From which picture of the span on, and for how many.
+    """
+    first, end = int(spans[:, 0].min()), int(spans[:, 1].max())
+    part = index._replace(times=index.times[first:end], is_key=index.is_key[first:end], sizes=index.sizes[first:end])
+    rests = ~part.is_key & (part.sizes <= size_of_the_same(index.height * index.width))
+    return _longest_rest(rests, rests | _keys_that_rest(part, rests), spans - first)
+
+
+def _keys_that_rest(index: VideoIndex, rests: Bools) -> Bools:
+    """Tell which of the pictures that can be decoded alone may be the same as the one before: bool[n_pictures].
+
+    Of the same picture they take the same as the one before or after. One may differ where many others lie between.
+    """
+    may_rest, keys = np.zeros_like(rests), np.flatnonzero(index.is_key)
+    alike = np.abs(np.diff(index.sizes[keys])) <= _ALIKE
+    many = np.diff(keys, prepend=keys[:1]) >= _MANY
+    between = many & rests[keys - 1] & rests[np.minimum(keys + 1, len(rests) - 1)]
+    may_rest[keys] = np.append(alike, False) | np.append(False, alike) | between if len(keys) else False
+    return may_rest
+
+
+def size_of_the_same[T: (float, Floats)](n_pixels: T) -> T:
+    """Return how many bytes a picture takes at most that is the same as the one before."""
+    return _SAME + n_pixels / _PIXELS_TO_A_SAME_BYTE
+
+
+def _longest_rest(rests: Bools, may_rest: Bools, spans: Ints) -> Ints:
+    """Find where pictures rest for longest in each span: its first frame in it, and how many; int64[n_spans, 2].
+
+    Between pictures that rest, others may, of which nobody knows.
+    """
+    longest = np.zeros_like(spans)
+    some = spans[:, 0] < spans[:, 1]
+    if not some.any():
+        return longest
+    row, n = np.arange(len(rests)), len(rests) + 1
+    begin = np.maximum.accumulate(np.where(may_rest, 0, row + 1))  # of the stretch that each is in
+    marks = np.zeros(len(rests), dtype=np.int64)
+    marks[spans[some, 0]] = spans[some, 0]
+    begin = np.maximum(begin, np.maximum.accumulate(marks))
+    length = np.where(rests, row + 1 - begin, 0)
+    best = reduce_parts(np.maximum, (length * n + begin)[:, None], *spans[some].T)[:, 0]
+    longest[some] = np.stack([best % n - spans[some, 0], best // n], axis=1)
+    return longest
+
+
 def _distances(times: Floats, claims: VideoClaims, step: float) -> Floats:
     """Find how far the nearest picture is from the time of a frame, the farthest in each episode [s]."""
     off = np.full(len(claims.rows), np.nan)
@@ -248,11 +312,14 @@ class ImageSums(NamedTuple):
         The same number where all pictures are the same, in the same order.
     tiny : ndarray of bool
         Whether none takes more than one of one colour does.
+    rest : ndarray of int, (n_runs, 2)
+        From which frame on they are the same for longest, and for how many frames.
     """
 
     n_changes: Ints
     prints: Prints
     tiny: Bools
+    rest: Ints
 
 
 def read_file_images(root: Path, frames: FileFrames) -> FileImages:
@@ -285,12 +352,16 @@ def _is_image(frames: FileFrames, name: str) -> bool:
 def _sums(images: Images, starts: Ints) -> ImageSums:
     changes = np.diff(images.prints, prepend=images.prints[:1]) != 0
     changes[starts] = False
+    rests = ~changes
+    rests[starts] = False  # the first may be like the last of the run before
+    spans = np.stack([starts, np.append(starts[1:], len(rests))], axis=1)
     row = np.arange(len(images.prints), dtype=np.uint64)
     place = row - np.repeat(row[starts], np.diff(np.append(starts, len(row))))  # in its run
     return ImageSums(
         n_changes=np.add.reduceat(changes.astype(np.int64), starts),
         prints=np.add.reduceat(images.prints * (2 * place + 1), starts),
         tiny=np.maximum.reduceat(images.sizes, starts) <= _size_of_one_colour(next(iter(images.formats))),
+        rest=_longest_rest(rests, rests, spans),
     )
 
 

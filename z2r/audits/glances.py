@@ -1,7 +1,8 @@
 """What do some pictures of each episode look like, once they are decoded? What is kept of them is a few numbers.
 
 About fifty pictures of each episode of each camera are looked at, spread over it, and made small; of each third one the
-next two as well, as what flickers, hangs or is out of order is seen from one picture to the next only.
+next two as well, as what flickers, hangs or is out of order is seen from one picture to the next only. The first and
+the last three are among them.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -14,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from z2r.arrays import Array, Bools, Floats, Ints, Progress, join_all
-from z2r.audits.footage import Footage, ImageSums, VideoSums
+from z2r.audits.footage import Footage, ImageSums, VideoSums, longest_rests
 from z2r.audits.frames import FileClaims
 from z2r.audits.runs import FileSums, Runs
 from z2r.audits.signs import Signs, signs_of
@@ -102,6 +103,10 @@ class Glance(NamedTuple):
         The same of brightness and of a third of them, and not as small.
     signs : Signs
         How they are made.
+    ends : ndarray, uint8[2, 3, 24, 32], or None
+        The first three frames, and the last three, the last of them first: how bright. None where one is not decoded.
+    rest : ndarray, int64[2], or None
+        Of a video, from `longest_rests`: from which frame on pictures hardly change for longest, and for how many.
     """
 
     frame: Floats
@@ -121,6 +126,8 @@ class Glance(NamedTuple):
     view: NDArray[np.uint8]
     still: NDArray[np.uint8]
     signs: Signs
+    ends: NDArray[np.uint8] | None
+    rest: Ints | None
 
 
 class Reel(NamedTuple):
@@ -208,24 +215,28 @@ def _look_at_video(root: Path, fps: float, reel: Reel) -> Iterator[tuple[int, Gl
     index = read_video(root, reel.path)
     starts = np.searchsorted(index.times, reel.begins - 0.5 / fps)
     stops = np.searchsorted(index.times, reel.begins + (reel.lengths - 0.5) / fps)
-    wanted = [_some(index.is_key, start, stop) for start, stop in zip(starts.tolist(), stops.tolist(), strict=True)]
-    more = [_with_next(some, stop) for some, stop in zip(wanted, stops.tolist(), strict=True)]
+    spans = [*zip(starts.tolist(), stops.tolist(), strict=True)]
+    wanted = [_some(index.is_key, *span) for span in spans]
+    more = [_with_next(some, *span) for some, span in zip(wanted, spans, strict=True)]
     numbers = np.unique(np.concatenate(more))
     pictures = dict(decode_video(root, reel.path, index, numbers)) if len(numbers) else {}
-    for row, begins, some in zip(reel.rows.tolist(), reel.begins, wanted, strict=True):
+    rests = longest_rests(index, np.array(spans))
+    for row, begins, some, span, rest in zip(reel.rows.tolist(), reel.begins, wanted, spans, rests, strict=True):
         seen = some[np.isin(some, list(pictures))]
         if len(seen) >= _FEW:
-            yield row, _glance((index.times[seen] - begins) * fps, seen, pictures)
+            yield row, _glance((index.times[seen] - begins) * fps, seen, pictures, span, rest)
 
 
 def _look_at_images(root: Path, reel: Reel) -> Iterator[tuple[int, Glance]]:
     wanted = [_evenly(np.arange(n)) + first for n, first in zip(reel.lengths, reel.begins, strict=True)]
-    more = [_with_next(some, first + n) for some, n, first in zip(wanted, reel.lengths, reel.begins, strict=True)]
+    begins = reel.begins.astype(np.int64)
+    spans = [*zip(begins.tolist(), (begins + reel.lengths).tolist(), strict=True)]
+    more = [_with_next(some, *span) for some, span in zip(wanted, spans, strict=True)]
     pictures = dict(decode_images(root, reel.path, reel.camera, np.unique(np.concatenate(more))))
-    for row, first, some in zip(reel.rows.tolist(), reel.begins, wanted, strict=True):
+    for row, some, span in zip(reel.rows.tolist(), wanted, spans, strict=True):
         seen = some[np.isin(some, list(pictures))]
         if len(seen) >= _FEW:
-            yield row, _glance((seen - first).astype(np.float64), seen, pictures)
+            yield row, _glance((seen - span[0]).astype(np.float64), seen, pictures, span, None)
 
 
 def _some(is_key: Bools, start: int, stop: int) -> Ints:
@@ -235,10 +246,16 @@ def _some(is_key: Bools, start: int, stop: int) -> Ints:
     return _evenly(keys if len(keys) >= enough else np.arange(start, stop))
 
 
-def _with_next(numbers: Ints, stop: int) -> Ints:
-    """Add the two pictures after each third one, if they are not the next episode's."""
+def _with_next(numbers: Ints, start: int, stop: int) -> Ints:
+    """Add the two pictures after each third one, if they are not the next episode's, and both ends of this one."""
     following = (numbers[::_EACH, None] + np.arange(1, 3)).ravel()
-    return np.union1d(numbers, following[following < stop])
+    more = np.union1d(numbers, following[following < stop])
+    return np.union1d(more, _ends(start, stop)) if len(numbers) >= _FEW else more
+
+
+def _ends(start: int, stop: int) -> Ints:
+    """Return the first three pictures of a span, and the last three, the last of them first: int64[2, 3]."""
+    return np.stack([np.arange(start, start + 3), np.arange(stop - 1, stop - 4, -1)])
 
 
 def _evenly(numbers: Ints) -> Ints:
@@ -246,7 +263,9 @@ def _evenly(numbers: Ints) -> Ints:
     return numbers[np.linspace(0, len(numbers) - 1, n).round().astype(np.int64)] if n else numbers
 
 
-def _glance(frame: Floats, numbers: Ints, pictures: Mapping[int, Small]) -> Glance:
+def _glance(
+    frame: Floats, numbers: Ints, pictures: Mapping[int, Small], span: tuple[int, int], rest: Ints | None
+) -> Glance:
     colours = np.stack([pictures[number].colours for number in numbers.tolist()]).astype(np.float32)  # (n, 48, 64, 3)
     seen = colours @ _BRIGHTNESS  # (n, 48, 64)
     first = [number for number in numbers[::_EACH].tolist() if {number + 1, number + 2} <= pictures.keys()]
@@ -258,7 +277,6 @@ def _glance(frame: Floats, numbers: Ints, pictures: Mapping[int, Small]) -> Glan
     apart = np.abs(np.diff(seen, axis=0))
     pixels = colours[::_EACH].reshape(-1, 3) / 255
     n, height, width = seen.shape
-    prints = seen[(_PRINTS * (n - 1)).round().astype(np.int64)].reshape(-1, height // 2, 2, width // 2, 2)
     quarters = colours.reshape(n, height // 4, 4, width // 4, 4, 3).mean(axis=(2, 4))
     return Glance(
         frame=frame,
@@ -273,12 +291,31 @@ def _glance(frame: Floats, numbers: Ints, pictures: Mapping[int, Small]) -> Glan
         far=_apart(bright[:-1], bright[1:]),
         across=_apart(bright[: n - n // 2], bright[n // 2 :]),
         colours=np.stack([each.mean(axis=0, dtype=np.float64) for each in (pixels, np.square(pixels))]),
-        prints=prints.mean(axis=(2, 4)).round().astype(np.uint8),
+        prints=_smaller(seen[(_PRINTS * (n - 1)).round().astype(np.int64)]),
         cells=bright.reshape(n, height // 8, 8, width // 8, 8).mean(axis=(2, 4)).reshape(n, -1).astype(np.float16),
         view=np.median(quarters, axis=0).round().astype(np.uint8),
         still=np.median(seen[::_EACH], axis=0).round().astype(np.uint8),
         signs=signs_of([pictures[number] for number in numbers.tolist()], colours, seen),
+        ends=_how_bright(_ends(*span), pictures),
+        rest=rest,
     )
+
+
+def _how_bright(numbers: Ints, pictures: Mapping[int, Small]) -> NDArray[np.uint8] | None:
+    """Return how bright some pictures are, (a, b): (a, b, 24, 32)."""
+    flat = numbers.ravel().tolist()
+    if not set(flat) <= pictures.keys():
+        return None
+    small = _smaller(np.stack([pictures[number].colours for number in flat]).astype(np.float32) @ _BRIGHTNESS)
+    return small.reshape(*numbers.shape, *small.shape[1:])
+
+
+def _smaller(seen: Array) -> NDArray[np.uint8]:
+    """Make pictures (n, height, width) half as high and half as wide."""
+    n, height, width = seen.shape
+    quarters = seen.reshape(n, height // 2, 2, width // 2, 2).mean(axis=(2, 4))
+    small: NDArray[np.uint8] = quarters.round().astype(np.uint8)
+    return small
 
 
 def _as_bright(seen: Array) -> Floats:

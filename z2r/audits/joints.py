@@ -15,7 +15,7 @@ import numpy as np
 
 from z2r.arrays import Bools, Floats, Ints
 from z2r.audits.following import MIN_FRAMES, Following, Pair
-from z2r.audits.motion import LEAP, NOISE_A_FRAME, parted
+from z2r.audits.motion import LEAP, NOISE_A_FRAME
 from z2r.audits.runs import Runs
 from z2r.audits.values import JUMP
 from z2r.check import Answer, Check
@@ -28,7 +28,7 @@ from z2r.reading.stored import episodes_named
 
 _LITTLE = 0.05  # of a command's range: a shorter way tells nothing
 _SOME = 0.34  # of the runs: a fault may be in half of them
-_WELL = 0.9  # share of a command's variance: a column that explains more follows well
+WELL = 0.9  # share of a command's variance: a column that explains more follows well
 _FRAMES = 4  # between two lags, at least: teleoperation jitters by one or two
 _APART = 6  # frames between one joint and the others: some joints are slower
 _SCALE = 1.6  # times: what holds a joint back makes a factor look so much larger at most
@@ -43,9 +43,6 @@ _ALWAYS_BESIDE = 0.1  # of a joint's range
 _DRIFTING, _STEADILY = 8, 0.8  # episodes at least, and of the variance of how far it is beside
 _DEAD = 0.02  # of its command
 _COPIED = 0.1  # of the frames in which a command changes
-_STANDS, _OFTEN, _LEAPS = 0.3, 0.4, 0.02  # of the frames in which its command moves; of all; of its range
-_PLAY, _PLAYS_APART = 0.03, 2  # of its range, and times as far as the episodes of one kind are from each other
-_SURELY_SOLVED = 1e-6  # so that what stands still can be solved for, too
 _STRAY = 8  # times as far beside its command as the others stray
 _BESIDE = 0.06  # of a joint's range
 _FAR_BESIDE = 0.09  # of a joint's range
@@ -135,7 +132,7 @@ class Joints:
     def exchanged(self) -> Bools:
         """Where the column of another pair follows a command, and its own does not, bool[n_runs, n_pairs]."""
         runs, own = self.runs, np.arange(len(self.pairs))
-        better = self.judged & (runs.other_explained > _WELL) & (runs.explained < 1 - 2 * (1 - runs.other_explained))
+        better = self.judged & (runs.other_explained > WELL) & (runs.explained < 1 - 2 * (1 - runs.other_explained))
         wrong = better & (runs.other != own) & np.isfinite(runs.other)
         # By chance, joints move alike in some episode: where they are exchanged, the other command goes astray as well.
         back = np.take_along_axis(wrong, np.nan_to_num(runs.other).astype(np.int64), axis=1)
@@ -179,7 +176,7 @@ def commands_come_first(joints: Joints) -> Iterator[Answer]:
     """Is a joint where it was told to be before it was told so? No robot can do that."""
     usual = joints.usual
     first = np.where(usual["kind"] > 0, 0, -1)  # a change that ends with the frame of its command began before it
-    early = joints.followed & (usual["most"] <= first) & (usual["explained"] > _WELL)
+    early = joints.followed & (usual["most"] <= first) & (usual["explained"] > WELL)
     if early.sum() > 0.5 * joints.followed.sum():
         pair = int(np.where(early, usual["explained"], 0).argmax())
         found = f"what {joints.pairs[pair].name} does {_frames(usual['lag'][pair])}"
@@ -192,7 +189,7 @@ def no_episode_is_late(joints: Joints) -> Iterator[Answer]:
     """Does a joint follow earlier or later than in the other episodes?"""
     runs, usual = joints.runs, joints.usual
     apart = (runs.most < usual["least"]) | (runs.least > usual["most"])
-    off = joints.follows & joints.followed & (runs.kind == usual["kind"]) & (runs.explained > _WELL) & apart
+    off = joints.follows & joints.followed & (runs.kind == usual["kind"]) & (runs.explained > WELL) & apart
     wrong = off & (np.abs(runs.lag - usual["lag"]) >= _FRAMES)
 
     def said(run: int, pair: int) -> tuple[str, str, str]:
@@ -208,7 +205,7 @@ def no_episode_is_late(joints: Joints) -> Iterator[Answer]:
 def no_joint_is_late(joints: Joints) -> Iterator[Answer]:
     """Does one joint follow much earlier or later than the others?"""
     usual = joints.usual
-    known = joints.followed & (usual["explained"] > _WELL)
+    known = joints.followed & (usual["explained"] > WELL)
     if known.sum() < 3:
         return
     lag = float(np.median(usual["lag"][known]))
@@ -226,11 +223,11 @@ def no_joint_is_late(joints: Joints) -> Iterator[Answer]:
 def no_joint_alone_comes_first(joints: Joints) -> Iterator[Answer]:
     """Does a joint go before it is told to, again and again, where others go after it? A grip may hide how well."""
     runs, usual = joints.runs, joints.usual
-    after = (joints.follows & (runs.least > 0) & (runs.explained > _WELL)).sum(axis=1) > 1
+    after = (joints.follows & (runs.least > 0) & (runs.explained > WELL)).sum(axis=1) > 1
     wrong = joints.follows & (runs.kind == 0) & (runs.lag <= -_FRAMES) & (runs.most < 0)
-    wrong &= after[:, None] & (runs.explained <= _WELL)  # of what follows better, the others tell
+    wrong &= after[:, None] & (runs.explained <= WELL)  # of what follows better, the others tell
     wrong &= wrong.sum(axis=0) > 1
-    others = float(np.nanmedian(np.where(usual["explained"] > _WELL, usual["lag"], np.nan))) if wrong.any() else 0.0
+    others = float(np.nanmedian(np.where(usual["explained"] > WELL, usual["lag"], np.nan))) if wrong.any() else 0.0
 
     def said(run: int, pair: int) -> tuple[str, str, str]:
         found = f"what {joints.pairs[pair].name} does {_frames(runs.lag[run, pair])}"
@@ -289,7 +286,7 @@ def joints_keep_their_unit(joints: Joints) -> Iterator[Answer]:
     well = runs.explained > _VERY_WELL
     # A gripper is held back by what it grips, in one episode more than in another: only a far factor says something.
     free = (usual["explained"] > _VERY_WELL) & ~joints.grips
-    wrong = known & far & (((free | turned) & (runs.explained > _WELL)) | (apart > np.log(_FAR)))
+    wrong = known & far & (((free | turned) & (runs.explained > WELL)) | (apart > np.log(_FAR)))
     wrong |= known & well & free & (runs.kind == 0) & (apart > np.log(_SCALE_WELL)) & (apart > _STRAY * stray)
 
     def said(run: int, pair: int) -> tuple[str, str, str]:
@@ -304,7 +301,7 @@ def joints_keep_their_unit(joints: Joints) -> Iterator[Answer]:
 def commands_stay_of_one_kind(joints: Joints) -> Iterator[Answer]:
     """Does a command say where to be in some episodes, and how far to go in others?"""
     runs, usual = joints.runs, joints.usual
-    wrong = joints.follows & joints.followed & (runs.kind != usual["kind"]) & (runs.explained > _WELL)
+    wrong = joints.follows & joints.followed & (runs.kind != usual["kind"]) & (runs.explained > WELL)
     kinds = ("a place to be in", "a change to make")
 
     def said(run: int, pair: int) -> tuple[str, str, str]:
@@ -427,76 +424,7 @@ def both_turn_alike(joints: Joints) -> Iterator[Answer]:
             turning, steady = names[pair][first], names[pair][1 - first]
             mend = "Unwind the angle, or wrap both alike: else a policy sees two places that are one"
             expected = f"the same of {steady}, which goes on"
-            yield _in_episodes(turning, joints.number[wrong[:, pair]], "a whole turn in one step", expected, mend)
-
-
-@Check("stick", "a joint moves as smoothly as its command", "note").of(Joints)
-def no_joint_sticks(joints: Joints) -> Iterator[Answer]:
-    """Does a joint stand exactly still in most frames and then leap, while its command and other joints go smoothly?"""
-    moved, n = joints.moved, joints.runs.n[:, None]
-    if not joints.pairs or STATE not in moved.steps or ACTION not in moved.steps:
-        return
-    seen, asked = (moved.steps[name] for name in (STATE, ACTION))
-    usual = np.median(seen.moves / n, axis=1)  # a sensor that is read more seldom stands still in all columns
-    for pair in joints.pairs:
-        if pair.feature != STATE or is_gripper(pair.name):
-            continue
-        goes, told = seen.moves[:, pair.column], asked.moves[:, pair.dim]
-        leap = seen.path[:, pair.column] / np.maximum(goes, 1)
-        wrong = (goes < _STANDS * told) & (goes > 1) & (told > _OFTEN * n[:, 0]) & (goes < usual * n[:, 0] / 2)
-        wrong &= (leap > _LEAPS * moved.spans(STATE)[pair.column]) & (joints.runs.n >= MIN_FRAMES)
-        if wrong.any():
-            run = int(np.where(wrong, leap, 0).argmax())
-            still = 1 - goes[run] / joints.runs.n[run]
-            found = f"the same number again in {still:.0%} of the frames, and leaps of about {leap[run]:.3g} in between"
-            mend = "Does the joint stick and slip, or is its sensor stuck, or read too seldom? Look at it"
-            expected = f"motion as smooth as that of {pair.command}, which changes in {told[run] / n[run, 0]:.0%}"
-            yield _in_episodes(pair.name, joints.number[wrong], found, expected, mend)
-
-
-@Check("play", "a joint stays behind its command by as much on its way up as on its way down", "note").of(Joints)
-def no_joint_has_more_play(joints: Joints) -> Iterator[Answer]:
-    """Is a joint, in some episodes, farther behind where it turns round than its speed explains? A gear has play so."""
-    known = joints.followed & (joints.usual["kind"] == 0) & ~joints.grips & (joints.usual["explained"] > _WELL)
-    for pair in np.flatnonzero(known).tolist() if len(joints.number) > 1 else ():
-        play = _play(joints, pair)
-        told = np.flatnonzero(np.isfinite(play))
-        if len(told) < 2:
-            continue
-        few, gap, spread = parted(play[told])
-        usual, more = sorted((told[few], np.delete(told, few)), key=lambda each: float(np.median(play[each])))
-        if gap < max(_PLAY * joints.ranges[pair], _PLAYS_APART * spread) or len(more) > len(usual):
-            continue  # where most have much, nothing is known of the others
-        wrong = np.isin(np.arange(len(play)), more)
-        found = f"{2 * np.median(play[more]):.3g} between its ways up and down, beyond what its speed explains"
-        mend = "Has a gear or a horn come loose, or is it held back? Look at the joint"
-        mend += _if_many(wrong, np.isfinite(play))
-        expected = f"about {2 * np.median(play[usual]):.2g}, as in the other episodes"
-        yield _in_episodes(joints.pairs[pair].name, joints.number[wrong], found, expected, mend)
-
-
-def _play(joints: Joints, pair: int) -> Floats:
-    """Fit how far a joint is behind to how fast its command goes and to which way it goes: what the way alone makes.
-
-    Returns
-    -------
-    ndarray, float64[n_runs]
-        In units of the command, half of what is between both ways; NaN where no moments are kept.
-    """
-    where, moved = joints.pairs[pair], joints.moved
-    asked = moved.moments_of(ACTION)[..., where.dim].astype(np.float64)  # (n_runs, n_moments, 2)
-    seen = joints.usual["factor"][pair] * moved.moments_of(where.feature)[..., where.column].astype(np.float64)
-    play, n_moments = np.full(len(joints.number), np.nan), asked.shape[1]
-    known = np.isfinite(asked).all(axis=(1, 2)) & np.isfinite(seen).all(axis=(1, 2)) & joints.judged[:, pair]
-    known &= (joints.runs.turns_asked + joints.runs.turns_seen)[:, pair] == 0  # what leaps by a turn is far behind
-    if not n_moments or not known.any():
-        return play
-    asked, seen = asked[known] / joints.ranges[pair], seen[known] / joints.ranges[pair]
-    terms = np.stack([np.ones(asked.shape[:2]), asked[:, :, 1], np.sign(seen[:, :, 1])], axis=2)
-    products = np.swapaxes(terms, 1, 2) @ terms + _SURELY_SOLVED * np.eye(3)
-    behind = np.swapaxes(terms, 1, 2) @ (asked[:, :, :1] - seen[:, :, :1])
-    play[known] = joints.ranges[pair] * np.linalg.solve(products, behind)[:, 2, 0]
-    return play
+            yield in_episodes(turning, joints.number[wrong[:, pair]], "a whole turn in one step", expected, mend)
 
 
 FOLLOW = Check("follow", "a joint follows its command in every episode, if it does in most", "warning")
@@ -506,9 +434,9 @@ FOLLOW = Check("follow", "a joint follows its command in every episode, if it do
 def joints_follow_in_every_episode(joints: Joints) -> Iterator[Answer]:
     """Does a joint go its own way in some episodes? The action is of another episode then, or the sensor is broken."""
     runs, usual = joints.runs, joints.usual
-    steady = joints.followed & (usual["explained"] > _WELL) & (usual["kind"] == 0)
+    steady = joints.followed & (usual["explained"] > WELL) & (usual["kind"] == 0)
     wrong = joints.judged & steady & (runs.explained < np.minimum(0.5, 1 - 5 * (1 - usual["explained"])))
-    wrong &= ~((runs.other_explained > _WELL) & (runs.other != np.arange(len(joints.pairs))))
+    wrong &= ~((runs.other_explained > WELL) & (runs.other != np.arange(len(joints.pairs))))
 
     def said(run: int, pair: int) -> tuple[str, str, str]:
         found = f"{runs.explained[run, pair]:.0%} of it explained by {joints.pairs[pair].name}"
@@ -585,7 +513,7 @@ def commands_are_no_copies(joints: Joints) -> Iterator[Answer]:
             numbers = joints.number[moves][wrong]
             found = f"{STATE} {what}, bit for bit, in {least[wrong].max():.0%} of the frames in which it changes"
             mend = "Was the robot led by hand there, or was no command recorded?"
-            yield _in_episodes(ACTION, numbers, found, "a command, as in the other episodes", mend)
+            yield in_episodes(ACTION, numbers, found, "a command, as in the other episodes", mend)
     yield from _partly_copied(joints)
 
 
@@ -612,7 +540,7 @@ def _partly_copied(joints: Joints) -> Iterator[Fault]:
         names = [pair.command for pair, is_one in zip(joints.pairs, copies[run].tolist(), strict=True) if is_one]
         found = f"the state of the same frame in {some(names)}, bit for bit"
         mend = "Was no command recorded there? A policy learns to stay where it is"
-        yield _in_episodes(ACTION, joints.number[partly], found, "commands, as of the other joints", mend)
+        yield in_episodes(ACTION, joints.number[partly], found, "commands, as of the other joints", mend)
 
 
 @LEAP.of(Joints)
@@ -629,7 +557,7 @@ def no_joint_leaps_farther_than_it_is_told(joints: Joints) -> Iterator[Answer]:
         )
         expected = f"steps like those of its command, of {steps.asked[run, pair]:.3g} at most"
         mend = "Did a horn or a belt slip, was a reading lost, or did something give way? Look at it"
-        yield "note", _in_episodes(joints.pairs[pair].name, joints.number[wrong[:, pair]], found, expected, mend)
+        yield "note", in_episodes(joints.pairs[pair].name, joints.number[wrong[:, pair]], found, expected, mend)
 
 
 @JUMP.of(Joints)
@@ -654,13 +582,13 @@ def _off_for_a_frame(joints: Joints, pair: int, name: str, wrong: Bools, spike: 
     both = joints.pairs[pair].name, joints.pairs[pair].command
     expected = f"steps like those of {both[name == both[0]]}, of {other[run, pair]:.3g} at most"
     mend = "Was a sample read or sent wrong? Smooth it, or leave these episodes out"
-    return _in_episodes(name, joints.number[wrong[:, pair]], found, expected, mend)
+    return in_episodes(name, joints.number[wrong[:, pair]], found, expected, mend)
 
 
 def _beside(joints: Joints) -> tuple[Bools, Floats]:
     """Say where it is known how far a command is beside its column, on average, and how far it is."""
     runs, usual = joints.runs, joints.usual
-    known: Bools = joints.follows & joints.followed & (runs.explained > _WELL)
+    known: Bools = joints.follows & joints.followed & (runs.explained > WELL)
     known = known & (runs.kind == 0) & (usual["kind"] == 0)
     return known, runs.mean_asked - usual["factor"] * runs.mean_seen
 
@@ -673,16 +601,16 @@ def _told(joints: Joints, wrong: Bools, said: Callable[[int, int], tuple[str, st
         run = int(together.argmax())
         pair = int(np.where(wrong[run], joints.runs.explained[run], -1).argmax())
         found, expected, mend = said(run, pair)
-        mend += _if_many(together, np.atleast_1d(joints.judged.any(axis=1)))
-        yield _in_episodes(ACTION, joints.number[together], f"{found}{_of_joints(wrong[run])}", expected, mend)
+        mend += if_many(together, np.atleast_1d(joints.judged.any(axis=1)))
+        yield in_episodes(ACTION, joints.number[together], f"{found}{_of_joints(wrong[run])}", expected, mend)
     alone = wrong & ~together[:, None]
     for pair in np.flatnonzero(alone.any(axis=0)).tolist():
         found, expected, mend = said(int(alone[:, pair].argmax()), pair)
-        mend += _if_many(alone[:, pair], joints.judged[:, pair])
-        yield _in_episodes(joints.pairs[pair].command, joints.number[alone[:, pair]], found, expected, mend)
+        mend += if_many(alone[:, pair], joints.judged[:, pair])
+        yield in_episodes(joints.pairs[pair].command, joints.number[alone[:, pair]], found, expected, mend)
 
 
-def _if_many(wrong: Bools, judged: Bools) -> str:
+def if_many(wrong: Bools, judged: Bools) -> str:
     """Admit where about half of the episodes are one way and half the other that neither is known to be right."""
     n, others = int(wrong.sum()), int((judged & ~wrong).sum())
     return (
@@ -692,7 +620,8 @@ def _if_many(wrong: Bools, judged: Bools) -> str:
     )
 
 
-def _in_episodes(what: str, numbers: Ints, found: str, expected: str, mend: str) -> Fault:
+def in_episodes(what: str, numbers: Ints, found: str, expected: str, mend: str) -> Fault:
+    """Return a fault of some episodes, of which some runs are."""
     episodes = tuple(dict.fromkeys(numbers.tolist()))
     return Fault(DATA_DIR, f"{what} in {episodes_named(episodes)}", found, expected, mend, episodes)
 

@@ -62,8 +62,8 @@ class FileLabels(NamedTuple):
     ----------
     success, done : Flag or None
         Columns that say yes or no.
-    reward : ndarray, float64[n_runs, 2], or None
-        The largest one, and the last one.
+    reward : ndarray, float64[n_runs, 5], or None
+        The largest one, the last one, the first one, the one in the middle, and the smallest one.
     levels : ndarray, float64[n]
         Which values the reward takes.
     reached : ndarray, bool[n_runs, 2], or None
@@ -120,7 +120,7 @@ def fold_labels(frames: FileFrames, reading: Reading | None) -> FileLabels:
     return FileLabels(
         success=_flag(label_in(schema), columns, starts, stops),
         done=_flag(DONE if is_one_number(DONE, schema) else None, columns, starts, stops),
-        reward=None if reward is None else _highest_and_last(reward, starts, stops),
+        reward=None if reward is None else _rewards(reward, starts, stops),
         levels=levels_of(np.empty(0) if reward is None else reward),
         reached=_reached(schema, reading, columns, np.stack([starts, stops - 1], axis=1)),
     )
@@ -133,7 +133,8 @@ def labels_of_episodes(schema: Schema, reading: Reading | None, number: Ints, ru
     success, reward, reached = _of_episodes(runs.success, starts, ends), runs.reward, runs.reached
     levels = levels_of(runs.levels)
     if reward is not None:
-        reward = np.stack([np.maximum.reduceat(reward[:, 0], starts), reward[ends, 1]], axis=1)
+        highest, lowest = np.maximum.reduceat(reward[:, 0], starts), np.minimum.reduceat(reward[:, 4], starts)
+        reward = np.stack([highest, reward[ends, 1], reward[starts, 2], reward[ends, 3], lowest], axis=1)
     if reached is not None and reading is not None:
         reached = reached[starts, 0] if reading.decisive == "first" else reached[ends, 1]
     return Labels(
@@ -180,6 +181,32 @@ def success_is_not_lost(labels: Labels) -> Iterator[Answer]:
         found = f"true and then false to the end in {labels.named(wrong)}"
         mend = "It was lost again, or is said once only: an episode counts as a success where it is true in some frame"
         yield Fault(DATA_DIR, labels.label, found, "true from then on", mend, labels.episodes(wrong))
+
+
+LABEL_MOMENT = Check("label-moment", "a success or a reward comes where it does in the other episodes", "note")
+
+
+@LABEL_MOMENT.of(Labels)
+def rewards_come_after_something(labels: Labels) -> Iterator[Answer]:
+    """Is a reward of two values high before anything was done, and low later, or high all the time in some episodes?
+
+    One that is low in the end alone, or at times, is a penalty.
+    """
+    if labels.reward is None or why_no_success(labels.levels):
+        return
+    low, high = labels.levels
+    _, last, first, middle, lowest = labels.reward.T
+    expected, mend = (
+        "a reward that comes when something is reached",
+        "Is it turned round in time, or filled in by hand?",
+    )
+    always = lowest == high
+    for wrong, found in (
+        ((first == high) & (middle == low) & (last == low), f"{high:g} in the first frame and {low:g} in the end"),
+        (always & (always | (first == low)).all(), f"{high:g} in every frame"),
+    ):
+        if wrong.any():
+            yield Fault(DATA_DIR, f"{REWARD} in {labels.named(wrong)}", found, expected, mend, labels.episodes(wrong))
 
 
 @Check("done", "`next.done` is true where an episode ends, and nowhere else", "warning").of(Labels)
@@ -247,9 +274,11 @@ def _flag(name: str | None, columns: Columns, starts: Ints, stops: Ints) -> Flag
     return Flag(ever, reduce_parts(np.logical_and, yes, starts, stops), yes[stops - 1], early, lost)
 
 
-def _highest_and_last(reward: Array, starts: Ints, stops: Ints) -> Floats:
+def _rewards(reward: Array, starts: Ints, stops: Ints) -> Floats:
     values = reward[:, 0].astype(np.float64)
-    return np.stack([reduce_parts(np.maximum, values, starts, stops), values[stops - 1]], axis=1)
+    highest, lowest = (reduce_parts(each, values, starts, stops) for each in (np.maximum, np.minimum))
+    last, middle = stops - 1, starts + (stops - starts) // 2
+    return np.stack([highest, values[last], values[starts], values[middle], lowest], axis=1)
 
 
 def _reached(schema: Schema, reading: Reading | None, columns: Columns, rows: Ints) -> Bools | None:
@@ -275,5 +304,5 @@ def _stored(schema: Schema, success: Flag | None, reward: Floats | None, levels:
     if label and success:
         high[label], last[label] = success.ever[:, None], success.last[:, None]
     elif not label and reward is not None:
-        high[REWARD], last[REWARD] = reward[:, :1], reward[:, 1:]
+        high[REWARD], last[REWARD] = reward[:, :1], reward[:, 1:2]
     return stored_success(schema, high, last, levels)[0] if high else None

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from z2r.arrays import Bools, Floats, Ints
 from z2r.audits.claims import Claims
-from z2r.audits.copies import pictures_again
-from z2r.audits.footage import Footage, ImageSums, VideoSums, place_frames
+from z2r.audits.copies import pictures_again, pictures_of_neighbours
+from z2r.audits.footage import Footage, ImageSums, VideoSums, place_frames, size_of_the_same
 from z2r.audits.glances import Filmed, Glance, Glances
 from z2r.audits.runs import Runs
 from z2r.audits.signs import Parted, drift, parted
@@ -28,9 +28,8 @@ _SELDOM = 0.1  # of the episodes
 _DECODE = "To be sure, look at the pictures: z2r audit --pictures"
 
 # Measured on h264, hevc and av1 as LeRobot encodes them, 96 x 96 to 480 x 640: a picture of one colour takes 36 to 162
-# bytes, the plainest drawing 255 to 2,135; a picture that is the same as the one before takes 18 to 66.
+# bytes, the plainest drawing 255 to 2,135.
 _FLAT, _PIXELS_TO_A_FLAT_BYTE = 64, 512
-_SAME, _PIXELS_TO_A_SAME_BYTE = 48, 4096
 _LITTLE = 0.25  # of what a change usually takes
 
 # Of decoded pictures, from 0 to 255.
@@ -45,6 +44,8 @@ _SLOW, _TURNS = 0.2, 8  # of the robot's way, and steps between two in which it 
 _FITFUL = 0.5  # of these steps: from little change to more, or back
 
 _MOSTLY, _A_WHILE, _NEVER = 0.5, 0.12, 0.03  # of the robot's way
+_MIN_HUNG = 10  # frames, and at least a second
+_HUNG, _FARTHER_THAN, _AS_FAST = 0.03, 2, 0.5  # of its way; times as far as in most episodes; of its usual speed
 _PAIRS, _APART = 8, 1.5  # pairs of pictures, and frames between those that are far apart
 _MUCH, _AS_FAR = 8, 0.9  # of 255, by which pictures differ; and of what they differ by that are far apart
 _FEW, _ALONE, _FOR_GOOD = 4, 4, 0.25  # pictures; times what most differ by; of a leap, what stays of it
@@ -84,11 +85,12 @@ class Look(NamedTuple):
         Which feature it is, and where they are stored.
     number : ndarray, int64[n_episodes]
         What the dataset calls the episodes.
-    flat, still, blank, dark, hung, slow, flicker, broken, leap, swing, focus, disorder, again, astray : Suspects
-        Where they are of one colour, or noise; stay the same although the robot moves; some of them are of one colour,
-        or noise; some of them are black; stay the same for a while; do so again and again; differ from one to the next;
-        do so at times; are others from some frame on; get brighter and darker all the time; are blurred at times; are
-        not in their order; are those of another episode; do not go with the robot.
+    flat, still, blank, dark, hung, slow, flicker, broken, leap, swing, focus, disorder, again, seam, astray
+        Each `Suspects`: where they are of one colour, or noise; stay the same although the robot moves; some of them
+        are of one colour, or noise; some of them are black; stay the same for a while, unlike in the
+        others; do so again and again; differ from one to the next; do so at times; are others from some frame on; get
+        brighter and darker all the time; are blurred at times; are not in their order; are those of another episode;
+        are so for some frames at an end; do not go with the robot.
     mend : str
         How to be surer; empty where it is sure.
     fits : float
@@ -126,6 +128,7 @@ class Look(NamedTuple):
     focus: Suspects = _NOBODY
     disorder: Suspects = _NOBODY
     again: Suspects = _NOBODY
+    seam: Suspects = _NOBODY
     astray: Suspects = _NOBODY
     fits: float = np.nan
     late: float = 0.0
@@ -178,6 +181,8 @@ def looks_of_glances(filmed: Filmed, glances: Glances) -> Looks:
     runs = filmed.runs
     paths = {} if filmed.places is None else _paths_of_episodes(runs, filmed.places)
     looks = {camera: _look_of_glances(camera, seen, runs, paths) for camera, seen in glances.cameras.items()}
+    rests = {camera: _rests(seen, filmed.images.get(camera), runs) for camera, seen in glances.cameras.items()}
+    looks = {camera: _with_hung(look, rests[camera], runs, paths) for camera, look in looks.items()}
     twins = [
         Twin(looks[camera], looks[other], _same_views(glances.cameras[camera], glances.cameras[other], runs))
         for other, camera in combinations(looks, 2)
@@ -272,17 +277,19 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths:
             other = still[row] or slow[row] or flicker[row] or broken[row] or swing[row]
             disorder[row] = not other and _is_out_of_order(glance)
     copies = pictures_again(seen, {row: (path.frames, path.places) for row, path in paths.items()})
+    neighbours = pictures_of_neighbours({row: glance for row, glance in seen.items() if not flat[row]})
     colour, square = np.mean([glance.colours for glance in seen.values()] or [np.full((2, 3), np.nan)], axis=0)
     return Look(
         camera=camera,
         place=_place(runs.claims, camera),
         number=number,
         again=Suspects(np.isin(np.arange(len(number)), list(copies)), lambda row: f"{_AGAIN} {number[copies[row]]}"),
+        seam=Suspects(np.isin(np.arange(len(number)), list(neighbours)), lambda row: neighbours[row]),
         flat=Suspects(flat, lambda row: _nothing(seen[row])),
         blank=Suspects(blank, lambda row: _blanks(seen[row])),
         dark=Suspects(dark, lambda row: _blanks(seen[row])),
         still=Suspects(still, lambda row: f"the same picture for {share[row]:.0%} of the robot's way"),
-        hung=Suspects(hung, lambda row: f"the same picture for {share[row]:.0%} of the robot's way"),
+        hung=Suspects(hung, lambda row: f"hardly a change of the picture for {share[row]:.0%} of the robot's way"),
         flicker=Suspects(flicker, lambda row: _said_of_flicker(seen[row])),
         broken=Suspects(broken, lambda row: _said_of_breaks(seen[row])),
         leap=Suspects(leap, lambda row: _said_of_leap(seen[row])),
@@ -300,6 +307,36 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths:
         colour=colour,
         deviation=np.sqrt(np.maximum(square - colour**2, 0)),
     )
+
+
+def _rests(seen: Mapping[int, Glance], images: ImageSums | None, runs: Runs) -> dict[int, Ints]:
+    """Say of each episode, by its row, from which frame on its pictures are the same for longest, and for how many."""
+    if images is None:
+        return {row: glance.rest for row, glance in seen.items() if glance.rest is not None}
+    row = {number: row for row, number in enumerate(runs.claims.stored.episodes.value.table.number.tolist())}
+    rests = zip(runs.number.tolist(), images.rest, strict=True)
+    return {row[number]: rest for number, rest in rests if number in row}
+
+
+def _with_hung(look: Look, rests: Mapping[int, Ints], runs: Runs, paths: Mapping[int, _Path]) -> Look:
+    """Find where pictures are the same for a while although the robot moves, unlike in nearly all other episodes."""
+    length, moves = runs.claims.stored.episodes.value.table.length, _robot_moves(runs)
+    way, n = np.zeros((2, len(length)))
+    known = [*rests.keys() & paths.keys()]
+    for row in known:
+        path, (first, n[row]) = paths[row], rests[row]
+        way[row] = np.ptp(np.interp([first, first + n[row]], path.frames, path.way)) / max(path.way[-1], _TINY)
+    usual = float(np.quantile(way[known], 0.75)) if len(known) >= _MIN_EPISODES else np.inf
+    wrong = moves & (way >= max(_HUNG, _FARTHER_THAN * usual))
+    wrong &= (n >= max(_MIN_HUNG, runs.claims.schema.fps)) & (way >= _AS_FAST * n / np.maximum(length, 1))
+    wrong &= ~(look.flat.wrong | look.still.wrong | look.slow.wrong)
+    said = "the same picture in {:.0f} frames from frame {} on, for {:.0%} of the robot's way"
+    hardly = look.hung  # as a few decoded pictures say: where wheels slip, noise goes on
+
+    def found(row: int) -> str:
+        return said.format(n[row], rests[row][0], way[row]) if wrong[row] else hardly.found(row)
+
+    return look._replace(hung=Suspects(wrong | hardly.wrong, found))
 
 
 def _bars(views: Sequence[NDArray[np.uint8]]) -> str:
@@ -479,8 +516,8 @@ def _unseen(glances: Glances, n_episodes: int) -> Iterator[str]:
 def _unfit(looks: Mapping[str, Look], n_episodes: int) -> Iterator[str]:
     names = [camera for camera, look in looks.items() if np.isnan(look.fits)]
     if n_episodes < _MIN_EPISODES:
-        few = f"fewer than {_MIN_EPISODES} episodes"
-        yield f"whether the pictures of {some(names)} are alike, and show where the robot is: there are {few}"
+        few, alike = f"fewer than {_MIN_EPISODES} episodes", "are alike, made in one way, hang for a while"
+        yield f"whether the pictures of {some(names)} {alike}, and show where the robot is: there are {few}"
     elif names:
         yield f"whether the pictures of {some(names)} show where the robot is: too little of it is seen in them"
 
@@ -516,7 +553,7 @@ def _look_of_sizes(footage: Footage, camera: str, moves: Bools) -> Look:
             lambda row: f"{key[row]:.0f} bytes a picture, no more than one colour takes",
         ),
         still=Suspects(
-            moves & _seem_still(long, other, alike, _SAME + pixels / _PIXELS_TO_A_SAME_BYTE),
+            moves & _seem_still(long, other, alike, size_of_the_same(pixels)),
             lambda row: f"{other[row]:.0f} bytes for a change of the picture, where {usual:.0f} are usual",
         ),
         mend=_DECODE,

@@ -48,8 +48,6 @@ _FAR_HOME = 0.08  # of a column's range
 _ALIKE_BY = 0.7  # of the one, by which two values are shifted
 _AWAY = 4  # steps: what gets there in fewer is a velocity, and may begin anywhere
 _FEW = 0.2  # of the episodes
-_LIMIT = 0.05  # of the way between two limits: calibration is off by as much
-_CLIPPED = 0.02  # of the frames
 _TICK = 0.0005  # of a column's range: less is the tick of an encoder
 _NEAR = 0.1  # of the distance that is usual between two demonstrations
 _COMMON = 6  # marks that two demonstrations must have to be compared
@@ -67,7 +65,7 @@ LEAP = Check("discontinuity", "no robot leaps inside an episode, as where two ar
 def nothing_leaps(runs: Runs) -> Iterator[Answer]:
     """Does a column leap, and stay there, while it goes smoothly elsewhere?"""
     for name, steps in runs.steps.items():
-        ratio, continuous, largest = _leap_ratio(runs, name), _continuous(runs, name), runs.stats[name].step
+        ratio, continuous, largest = _leap_ratio(runs, name), often_moves(runs, name), runs.stats[name].step
         calm = _quarter(largest)
         wrong: Bools = (ratio > _LEAP) & (largest > _USUAL * calm) & continuous & (calm > 0)
         wrong &= (_quarter(ratio) < _SMOOTH) & (largest > _ALONE * steps.around)
@@ -89,7 +87,7 @@ def nothing_leaps(runs: Runs) -> Iterator[Answer]:
 def no_angle_goes_on_at_the_other_end(runs: Runs) -> Iterator[Answer]:
     """Does an angle leap by a whole turn? To a robot that is no motion, and to a policy the farthest that there is."""
     for name in runs.steps:
-        wrong = is_a_turn(runs.stats[name].step, runs.spans(name)) & _continuous(runs, name)
+        wrong = is_a_turn(runs.stats[name].step, runs.spans(name)) & often_moves(runs, name)
         if wrong.any():
             run, column = _worst(wrong, runs.stats[name].step)
             place = f"{_dim(runs, name, column)} in {_named(runs, wrong.any(axis=1))}"
@@ -102,7 +100,7 @@ def no_angle_goes_on_at_the_other_end(runs: Runs) -> Iterator[Answer]:
 def nothing_leaps_and_comes_back(runs: Runs) -> Iterator[Answer]:
     """Does a value leap away and back in one frame, much further than it moves in its own episode?"""
     for name, steps in runs.steps.items():
-        spike, largest, continuous = runs.stats[name].spike, runs.stats[name].step, _continuous(runs, name)
+        spike, largest, continuous = runs.stats[name].spike, runs.stats[name].step, often_moves(runs, name)
         ratio = _leap_ratio(runs, name) * np.divide(spike, largest, out=np.zeros_like(spike), where=spike > 0)
         wrong = (ratio > _LEAP) & (spike > _SHARE * runs.spans(name)) & continuous & ~is_a_turn(spike, runs.spans(name))
         wrong &= ~_is_grip(runs, name) | (spike > _LETS_GO * _quarter(largest))
@@ -123,7 +121,7 @@ def no_robot_is_put_back(runs: Runs) -> Iterator[Answer]:
     """Do nearly all episodes begin or end with a leap? Then the robot was put back while it was recorded."""
     for name, steps in runs.steps.items():
         largest = runs.stats[name].step
-        leaps = (_leap_ratio(runs, name) > _LEAP) & _continuous(runs, name) & ~is_a_turn(largest, runs.spans(name))
+        leaps = (_leap_ratio(runs, name) > _LEAP) & often_moves(runs, name) & ~is_a_turn(largest, runs.spans(name))
         for where, is_there in (("first", steps.at <= 1), ("last", steps.at >= runs.n_frames[:, None] - _END)):
             wrong = (leaps & is_there).mean(axis=0) > _MOST
             if wrong.any() and len(runs.number) > 2:
@@ -143,7 +141,7 @@ def nothing_stalls(runs: Runs) -> Iterator[Answer]:
     """
     commanded = runs.claims.schema.features[ACTION].dim_names if ACTION in runs.steps else ()
     for name, steps in runs.steps.items():
-        moves = _continuous(runs, name)
+        moves = often_moves(runs, name)
         leaps = (steps.stall > _STALL) & (steps.stall_leap > _SHARE * runs.spans(name)) & moves
         leaps &= _quarter(steps.stall) < _STALL / 2
         together = (leaps | ~moves).all(axis=1, keepdims=True)
@@ -177,7 +175,7 @@ def no_episode_is_noisier(runs: Runs) -> Iterator[Answer]:
         wrong &= _quarter(_leap_ratio(runs, name)) < _SMOOTH
         wrong &= steps.repeated < _SOME_REPEATED * runs.n_frames[:, None]
         trembles = (rough > _ROUGH * _median(rough)) & (name in (STATE, ACTION))  # what is pushed or dropped may do so
-        wrong &= _continuous(runs, name) & (steps.alternates | trembles)
+        wrong &= often_moves(runs, name) & (steps.alternates | trembles)
         if wrong.any():
             run, column = _worst(wrong, size / np.maximum(usual, 1e-300))
             found = f"noise of about {size[run, column]:.3g}{_so_in(wrong[run])}"
@@ -307,7 +305,7 @@ def episodes_begin_at_one_place(runs: Runs) -> Iterator[Answer]:
     moments = runs.moments_of(STATE).astype(np.float64)
     last = moments[:, -1, 0] if moments.size else np.full_like(first, np.nan)
     ranges, step = runs.spans(STATE), np.quantile(runs.stats[STATE].step, 0.9, axis=0)
-    for column in np.flatnonzero(_continuous(runs, STATE)).tolist():
+    for column in np.flatnonzero(often_moves(runs, STATE)).tolist():
         few, gap, spread = parted(first[:, column])
         least = max(_FAR_HOME * ranges[column], _AWAY * step[column])
         surely = gap >= max(_HOMES_APART * spread, least)
@@ -348,7 +346,7 @@ def episodes_are_not_shifted(runs: Runs) -> Iterator[Answer]:
         return
     stats, size = runs.stats[STATE], runs.claims.schema.features[STATE].size
     ranges = runs.spans(STATE)
-    for column in np.flatnonzero(_continuous(runs, STATE)).tolist():
+    for column in np.flatnonzero(often_moves(runs, STATE)).tolist():
         seen = np.stack([_marks(runs, size)[:, 0, column], stats.low[:, column], stats.high[:, column]])  # (3, n_runs)
         wrong = np.isin(np.arange(len(runs.number)), parted(seen[1])[0])
         by = float(np.median(seen[1, wrong]) - np.median(seen[1, ~wrong]))
@@ -361,60 +359,6 @@ def episodes_are_not_shifted(runs: Runs) -> Iterator[Answer]:
             mend = "Was it calibrated anew, or is another tool or another zero set there?"
             place = f"{_dim(runs, STATE, column)} in {_named(runs, wrong)}"
             yield "note", _fault(runs, place, wrong, found, "some among those of the others", mend)
-
-
-@Check("limits", "a column stays within the limits that a reading declares", "warning").of(Runs)
-def columns_keep_their_limits(runs: Runs) -> Iterator[Answer]:
-    """Does a column go beyond what a reading says that it keeps?"""
-    reading, features = runs.claims.reading, runs.claims.schema.features
-    if reading is None:
-        return
-    for name, stats in runs.stats.items():
-        for column, label in enumerate(features[name].dim_names):
-            meaning = reading.meaning(name, label)
-            for limit, sign, values in ((meaning.low, -1, stats.low), (meaning.high, 1, stats.high)):
-                if limit is None:
-                    continue
-                beyond = sign * (values[:, column] - limit)
-                wrong = beyond > _LIMIT * np.ptp([meaning.low or 0.0, meaning.high or 0.0])
-                if wrong.any():
-                    run = int(beyond.argmax())
-                    found = f"{values[run, column]:.4g}{f' {meaning.unit}' if meaning.unit else ''}"
-                    expected = f"at {'least' if sign < 0 else 'most'} {limit:.4g}, as the reading {reading.name} says"
-                    mend = "Is the reading right? Then a unit, a calibration or a sensor is not"
-                    place = f"{_dim(runs, name, column)} in {_named(runs, wrong)}"
-                    fault = _fault(runs, place, wrong, found, expected, mend)
-                    yield fault if wrong.mean() <= _FEW else ("note", fault)  # beyond it everywhere, it is no limit
-
-
-@Check("clipped", "what follows or is followed goes as far as the other", "note").of(Runs)
-def nothing_is_clipped(runs: Runs) -> Iterator[Answer]:
-    """Does a column stay at its end, bit for bit, while the one of its name goes on beyond it?"""
-    features = runs.claims.schema.features
-    if STATE not in runs.steps or ACTION not in runs.steps:
-        return
-    names = {name: features[name].labels for name in (STATE, ACTION)}
-    for one, other in ((STATE, ACTION), (ACTION, STATE)):
-        continuous = _continuous(runs, one)
-        for column, name in enumerate(names[one]):
-            if names[other].count(name) != 1 or not continuous[column]:
-                continue
-            beyond = names[other].index(name)
-            for end, sign, at in (("low", -1, runs.steps[one].at_low), ("high", 1, runs.steps[one].at_high)):
-                mine, its = (
-                    getattr(runs.stats[one], end)[:, column] * sign,
-                    getattr(runs.stats[other], end)[:, beyond] * sign,
-                )
-                there = mine == mine.max()
-                share = at[there, column].sum() / runs.n_frames.sum()
-                by = its.max() - mine.max()
-                if share > _CLIPPED and there.sum() > 2 and by > _SHARE * runs.spans(one)[column]:
-                    found = f"{mine.max() * sign:.4g} in {share:.0%} of all frames, the {end}est value"
-                    expected = f"as far as {_dim(runs, other, beyond)} goes: {its.max() * sign:.4g}"
-                    mend = "A limit of the joint is no fault; a limit of the recording hides where it was"
-                    yield _fault(
-                        runs, f"{_dim(runs, one, column)} in {_named(runs, there)}", there, found, expected, mend
-                    )
 
 
 NEAR_TWIN = Check("near-twin", "no demonstration is nearly that of another episode", "warning")
@@ -529,7 +473,7 @@ def _leap_ratio(runs: Runs, name: str) -> Floats:
     return np.where((rest > 0) & (runs.n_frames[:, None] >= MIN_FRAMES), ratio, 0.0)
 
 
-def _continuous(runs: Runs, name: str) -> Bools:
+def often_moves(runs: Runs, name: str) -> Bools:
     """Say of each column whether it moves in many frames: what seldom changes is a switch, and may leap."""
     continuous: Bools = (runs.spans(name) > 0) & (_median(runs.steps[name].moves / runs.n_frames[:, None]) > _SELDOM)
     return continuous

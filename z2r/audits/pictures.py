@@ -181,6 +181,11 @@ def camera_motion(looks: Looks) -> Iterator[Answer]:
     """Do the pictures of an episode go with its robot? Those of another, or of another time, do not."""
     for look in looks.cameras:
         yield from _looks_wrong(look, look.astray, "pictures that show where the robot is")
+        for fault in _looks_wrong(look, look.seam, "pictures of its own from the first frame to the last"):
+            mend = (
+                "Does the video begin too late or too early, or was a buffer not emptied? Shift it, or cut these frames"
+            )
+            yield ("warning" if look.seam.wrong.sum() > 1 else "note"), fault._replace(mend=mend)
         if look.late >= _LATE:
             found = f"pictures of where the robot was {look.late:g} s before, in all episodes"
             mend = "A policy learns with old pictures: is the camera as late where it shall act?"
