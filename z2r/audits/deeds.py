@@ -115,7 +115,7 @@ def _to_the_nearest(states: Floats, row: int, others: Ints) -> float:
 @Check("long-episode", "an episode is one demonstration, and no more", "note").of(Runs)
 def episodes_are_one_demonstration(runs: Runs) -> Iterator[Answer]:
     """Does an episode go on for much longer, and much farther, than the others? Who is only slow goes no farther."""
-    if STATE not in runs.steps or len(runs.number) < _MIN_EPISODES:
+    if STATE not in runs.steps or len(runs.number) < MIN_EPISODES:
         return
     path = runs.steps[STATE].path
     usual = np.median(path, axis=0)
