@@ -850,6 +850,7 @@ UNLIKE = {
 }
 SORTS = {
     "some upside down": (only(TURNED, 1, 3, 5), ODD + "upside down" + THAN_EVEN),
+    "half upside down": (only(TURNED, 0, 1, 2, 3), "in episodes 4, 5, 6, 7: found pictures upside down"),
     "some blurred": (only(changed(out_of_focus), 1, 3, 5), ODD + r"blurred.*" + THAN_EVEN),
     "some darker": (
         only(changed(lambda picture: picture * 0.66), 1, 3, 5),

@@ -100,10 +100,17 @@ def _but(own: _Views, told: list[Unlike]) -> _Views:
 def _turned(own: _Views, others: Mapping[str, _Views]) -> list[Unlike]:
     """Find those that fit one of the others once they are turned, or that fit it as another camera shows it.
 
-    However many they are: it needs no view that is usual. Which of them are right is told by how many they are.
+    However many they are: it needs no view that is usual. Which of them are right is told by how many they are; of two
+    that are as many, it is those that are not like the first episode.
     """
     candidates = _candidates(len(own.rows))
     middle = int(candidates[np.argmin([np.median(_far(own.flat, own.flat[row])) for row in candidates])])
+    turned = _turned_from(own, others, middle)
+    as_many = (2 * len(each.rows) == len(own.rows) and own.rows[0] in each.rows for each in turned)
+    return _turned_from(own, others, 0) if any(as_many) else turned
+
+
+def _turned_from(own: _Views, others: Mapping[str, _Views], middle: int) -> list[Unlike]:
     at = own.rows[middle]
     seen = [(said, view) for said, other in others.items() for view in other.views[other.rows == at]]
     says, usual = dict[str, list[int]](), own.views[middle]
@@ -180,6 +187,8 @@ def _middle(views: Floats) -> Floats:
 def _unlike_views(own: _Views, strangers: list[tuple[str, Floats]]) -> Iterator[Unlike]:
     """Put those that look the same in one. Where they are many, all look the same, or the others do to them."""
     odd, usual = own.rows[own.differ], own.rows[~own.differ]
+    if not len(usual):  # those that they differ from are turned
+        return
     if not _is_few(len(odd), len(own.rows)):
         other = _middle(own.views[own.differ])
         said, back = _guess(other, own.usual, strangers), _guess(own.usual, other, strangers)
