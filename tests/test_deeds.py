@@ -1,5 +1,6 @@
 """Does what an episode says agree with what it does? And copies of which only a half is the same."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -108,6 +109,18 @@ def test_what_a_gripper_loses_on_the_way_is_named_and_a_label_that_denies_it(say
     assert (finding.severity, finding.episodes) == ("note", (2,))
 
 
+def test_a_gripper_that_stays_shut_when_it_is_told_to_open_is_named(tmp_path):
+    recording = make("so101", 0)
+    own = recording.episodes[2]
+    held = np.flatnonzero(own[STATE][:, GRIPPER] - own[ACTION][:, GRIPPER] > 5)
+    shut = own[STATE][held[len(held) // 3], GRIPPER]
+    own[STATE][held[len(held) // 3] :, GRIPPER] = shut
+    [finding] = found(recording, tmp_path / "dataset", "grasp")
+    assert f"{STATE}[{POS[GRIPPER]}] in episode 2" in finding.field
+    assert finding.found == f"{shut:.3g} ever since it closed, although it is told to open"
+    assert (finding.severity, finding.episodes) == ("note", (2,))
+
+
 def test_an_episode_in_which_the_arm_lost_the_cube_is_a_failure_by_the_simulator():
     root = find_dataset("arm")
     lost = [number for each in z2r.audit(root).findings if each.check == "grasp" for number in each.episodes]
@@ -167,11 +180,21 @@ def test_a_reward_before_anything_was_done_is_named(reward, said, episodes, tmp_
     )
 
 
+def end_half_way(recording: Recording, *episodes: int) -> Recording:
+    for episode in episodes:
+        for name in (STATE, ACTION):
+            own = recording.episodes[episode][name]
+            own[-5:, 1] = 80  # beyond where any ends
+    return recording
+
+
+def test_of_two_places_in_which_many_succeed_none_is_odd(tmp_path):
+    recording = end_half_way(make("scored", 0), 1, 4, 6, 9)
+    assert not found(recording, tmp_path / "dataset", "label-moment")
+
+
 def test_a_success_elsewhere_is_named_by_where(tmp_path):
-    recording = make("scored", 0)
-    for name in (STATE, ACTION):
-        own = recording.episodes[5][name]
-        own[-5:, 1] = own[:-5, 1].max()  # as if it had ended half way
+    recording = end_half_way(make("scored", 0), 5)
     [finding] = found(recording, tmp_path / "dataset", "label-moment")
     assert finding.episodes == (5,)
     assert f"where {STATE}[{POS[1]}] is" in finding.found
@@ -288,6 +311,19 @@ def test_whole_numbers_are_named(episodes, tmp_path):
         recording.episodes[episode][STATE] = recording.episodes[episode][STATE].round()
     [finding] = found(recording, tmp_path / "dataset", "resolution")
     assert (finding.severity, finding.episodes) == ("note", tuple(episodes))
+
+
+@pytest.mark.parametrize("name", [STATE, ACTION])
+@pytest.mark.parametrize("episodes", [(2, 3), range(12)])
+def test_what_goes_by_steps_while_the_other_moves_is_named(episodes, name, tmp_path):
+    recording = make("so101", 0)
+    assert not found(recording, tmp_path / "right", "repeat")
+    for episode in episodes:
+        own = recording.episodes[episode][name]
+        own[:] = np.repeat(own[::8], 8, axis=0)[: len(own)]
+    [finding] = found(recording, tmp_path / "dataset", "repeat")
+    assert re.match(r"a new value in \d+% of the frames, while", finding.found)
+    assert (finding.severity, finding.episodes, finding.field[: len(name)]) == ("note", tuple(episodes), name)
 
 
 def test_commands_that_are_always_whole_numbers_may_be_keys(tmp_path):

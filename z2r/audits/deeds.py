@@ -37,12 +37,13 @@ _BEYOND, _SURELY = 1.5, 5  # times as far as the others are from each other, of 
 _SHARE = 0.15  # of a column's range
 _MANY = 0.3  # of the episodes: the others need not be the right ones
 
-_TWO = 1.5  # times as much as usual: those that tried twice came to 1.3
+_ENOUGH, _TWO = 5, 1.5  # episodes; and times as much as usual: those that tried twice came to 1.3
 
 _CLEARLY = 2.5  # times as far as those that hold nothing
 _STANDS = 0.02  # of a gripper's range, in two frames
 _HELD_BACK, _NOT_HELD = 0.08, 0.2  # of it; and of how far it is held back in the others
 _HALF, _MOST = 0.5, 0.75  # of the episodes: at least so many hold something, and what is usual in them
+_WIDE = 0.3  # of a gripper's range: by so much it is told to open
 _LATER = 3  # moments of an episode in which it stands: a hand or two may be in between
 
 
@@ -115,7 +116,7 @@ def _to_the_nearest(states: Floats, row: int, others: Ints) -> float:
 @Check("long-episode", "an episode is one demonstration, and no more", "note").of(Runs)
 def episodes_are_one_demonstration(runs: Runs) -> Iterator[Answer]:
     """Does an episode go on for much longer, and much farther, than the others? Who is only slow goes no farther."""
-    if STATE not in runs.steps or len(runs.number) < MIN_EPISODES:
+    if STATE not in runs.steps or len(runs.number) < _ENOUGH:
         return
     path = runs.steps[STATE].path
     usual = np.median(path, axis=0)
@@ -143,8 +144,8 @@ class _Grip(NamedTuple):
         Of the state.
     span : float
         What it goes through.
-    command : ndarray
-        Where it is told to be.
+    command, place : ndarray, float64
+        Where it is told to be, and where it is.
     beside : ndarray, float64
         How far from there it stands: 0 where it moves.
     stands : ndarray of bool
@@ -158,6 +159,7 @@ class _Grip(NamedTuple):
     column: int
     span: float
     command: Floats
+    place: Floats
     beside: Floats
     stands: Bools
     held: Floats
@@ -176,11 +178,12 @@ def _grips(runs: Runs) -> Iterator[_Grip]:
         span = float(runs.spans(STATE)[column])
         stands = np.abs(seen[:, :, 1, column]) <= _STANDS * span
         command = asked[:, :, 0, labels[ACTION].index(name)]
-        beside = np.where(stands, np.abs(command - seen[:, :, 0, column]), 0)
+        place = seen[:, :, 0, column]
+        beside = np.where(stands, np.abs(command - place), 0)
         held = np.sort(beside, axis=1)[:, -_LATER]
         usual = float(np.quantile(held, _MOST))
         if (held >= max(_HELD_BACK * span, usual / 2)).mean() >= _HALF:
-            yield _Grip(column, span, command, beside, stands, held, usual)
+            yield _Grip(column, span, command, place, beside, stands, held, usual)
 
 
 @GRASP.of(Runs)
@@ -211,15 +214,43 @@ def grippers_lose_nothing(runs: Runs) -> Iterator[Answer]:
             yield _fault_of(runs, grip, wrong, found, expected, mend)
 
 
+@GRASP.of(Runs)
+def grippers_let_go(runs: Runs) -> Iterator[Answer]:
+    """Does a gripper that holds something stay where it is, although it is told to open wide?"""
+    for grip in _grips(runs):
+        middle = _amid_a_hold(grip)
+        closed, at = (np.take_along_axis(each, middle, axis=1) for each in (grip.command, grip.place))
+        stays = grip.stands & (np.abs(grip.place - at) <= 2 * _STANDS * grip.span)
+        stays &= (np.abs(grip.command - closed) >= _WIDE * grip.span) & (np.arange(stays.shape[1]) > middle)
+        wrong: Bools = stays.sum(axis=1) >= _LATER
+        if wrong.any() and wrong.mean() <= _FEW:
+            found = (
+                f"{np.median(np.broadcast_to(at, stays.shape)[stays]):.3g} ever since it closed, although it is told to open"
+            )
+            mend = "Did its servo switch off, as in overload, or does it stick? Look at the pictures"
+            yield _fault_of(runs, grip, wrong, found, "a gripper that opens, as in the other episodes", mend)
+
+
+def _amid_a_hold(grip: _Grip) -> Ints:
+    """Return the moment of each run that is in the middle of those in which something holds it back: (n_runs, 1)."""
+    holds = grip.beside >= _holds_at_least(grip) / 2
+    middle: Ints = (2 * holds.cumsum(axis=1) >= holds.sum(axis=1, keepdims=True)).argmax(axis=1, keepdims=True)
+    return middle
+
+
+def _holds_at_least(grip: _Grip) -> Floats:
+    """Say how far each run is held back, (n_runs, 1): one may hold what is thinner."""
+    return np.maximum(grip.held, _NOT_HELD * grip.usual)[:, None]
+
+
 def _moments_after_a_loss(grip: _Grip) -> Ints:
     """Count the moments of each run in which nothing holds the gripper back, since it last held something and closed.
 
     What opens in between lets go.
     """
-    usual = np.maximum(grip.held, _NOT_HELD * grip.usual)[:, None]  # (n_runs, 1): one may hold what is thinner
+    usual = _holds_at_least(grip)
     holds = grip.beside >= usual / 2
-    middle = (2 * holds.cumsum(axis=1) >= holds.sum(axis=1, keepdims=True)).argmax(axis=1)
-    closed = np.take_along_axis(grip.command, middle[:, None], axis=1)
+    closed = np.take_along_axis(grip.command, _amid_a_hold(grip), axis=1)
     opens = np.abs(grip.command - closed) > _HELD_BACK * grip.span
     empty = ~opens & grip.stands & (grip.beside <= _NOT_HELD * usual)
     last_open, last_held = (
@@ -270,6 +301,8 @@ def _elsewhere(comes: Floats, whole: Floats) -> tuple[int, Ints]:
     odd: list[tuple[float, int, Ints]] = []
     for column in np.flatnonzero(whole > 0).tolist():
         few, gap, spread = parted(comes[:, column])
+        if column and len(few) > _MANY * len(comes):
+            continue  # of goals, there may well be two
         times = _BEYOND if len(few) == 1 else _SURELY
         if gap >= max(_SHARE * whole[column], times * spread, 0 if column else times):
             odd.append((gap / max(spread, _FINE * whole[column]), column, few))

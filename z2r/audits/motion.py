@@ -35,6 +35,7 @@ _MOVES = 0.3  # of the usual way
 _ROUGH = 3  # times as rough as usual for its speed
 _REPEATED = 0.25  # of the frames: half of them, where a sensor is read at half the rate
 _SOME_REPEATED, _FEW_REPEATED = 0.04, 0.01  # of the frames, where the other episodes have few
+_SELDOMER, _A_STEP = 0.4, (0.1, 0.45)  # times as often; of its range: less is a tick, and more a switch or keys
 _ALIKE_REPEATED = 0.08  # of the frames, of the state and of the action
 _STEPS, _TICKS = 3, 1000  # through which a column goes
 _LEVELS = 8, 100  # in which a column stands
@@ -221,6 +222,27 @@ def frames_come_evenly(runs: Runs) -> Iterator[Answer]:
         )
         mend = "Did frames come in bursts, and were they stored as if evenly spaced? Then the time of each is wrong"
         yield "note", _fault(runs, f"{STATE} and {ACTION}", wrong, found, "new values in every frame", mend)
+
+
+@REPEAT.of(Runs)
+def state_and_action_come_as_often(runs: Runs) -> Iterator[Answer]:
+    """Does one of the two go by steps, each of some frames, while the other moves from frame to frame?"""
+    if STATE not in runs.steps or ACTION not in runs.steps:
+        return
+    moves = {name: (runs.steps[name].moves / runs.n_frames[:, None]).max(axis=1) for name in (STATE, ACTION)}
+    for name, other in ((STATE, ACTION), (ACTION, STATE)):
+        span = runs.spans(name)
+        steps = np.median(runs.stats[name].step[:, span > 0] / span[span > 0], axis=1) if span.any() else np.zeros(1)
+        wrong = (moves[name] < _SELDOMER * moves[other]) & (runs.n_frames >= MIN_FRAMES)
+        wrong &= (steps > _A_STEP[0]) & (steps < _A_STEP[1])
+        if wrong.any():
+            run = int(np.where(wrong, moves[other] / np.maximum(moves[name], _SELDOM), 0).argmax())
+            where = "" if wrong.mean() > _MOST else f" in {_named(runs, wrong)}"
+            found = (
+                f"a new value in {moves[name][run]:.0%} of the frames, while {other} moves in {moves[other][run]:.0%}"
+            )
+            mend = "Was it read more seldom than it was recorded? A policy learns to hold still, and then to leap"
+            yield "note", _fault(runs, f"{name}{where}", wrong, found, f"one about as often as {other} has", mend)
 
 
 @Check("resolution", "what moves is stored more finely than in whole numbers, or in steps as coarse", "note").of(Runs)
