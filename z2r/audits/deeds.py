@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from z2r.arrays import Bools, Floats, Ints
+from z2r.audits.following import MIN_FRAMES
 from z2r.audits.frames import FileFrames
 from z2r.audits.labels import LABEL_MOMENT
 from z2r.audits.motion import parted, share_a_task
@@ -38,6 +39,7 @@ _SHARE = 0.15  # of a column's range
 _MANY = 0.3  # of the episodes: the others need not be the right ones
 
 _ENOUGH, _TWO = 5, 1.5  # episodes; and times as much as usual: those that tried twice came to 1.3
+_CLEAR = 1.15  # times as much as the most of the others
 
 _CLEARLY = 2.5  # times as far as those that hold nothing
 _STANDS = 0.02  # of a gripper's range, in two frames
@@ -121,9 +123,13 @@ def episodes_are_one_demonstration(runs: Runs) -> Iterator[Answer]:
     path = runs.steps[STATE].path
     usual = np.median(path, axis=0)
     farther = np.median(path[:, usual > 0] / usual[usual > 0], axis=1) if usual.any() else np.zeros(len(path))
-    longer = runs.n_frames / np.median(runs.n_frames)
-    wrong: Bools = np.minimum(farther, longer) >= _TWO
-    if wrong.any() and wrong.mean() <= _FEW and share_a_task(runs, wrong):
+    usual_length = np.median(runs.n_frames)
+    longer = runs.n_frames / usual_length
+    both = np.minimum(farther, longer)
+    wrong: Bools = (both >= _TWO) & (usual_length >= MIN_FRAMES)
+    if not wrong.any() or wrong.mean() > _FEW or both[wrong].min() < _CLEAR * both[~wrong].max():
+        return
+    if share_a_task(runs, wrong):
         worst = int(np.where(wrong, farther, 0).argmax())
         number = runs.number[wrong].tolist()
         found = f"{longer[worst]:.1f} times as many frames as usual, and {farther[worst]:.1f} times as much motion"
@@ -224,9 +230,8 @@ def grippers_let_go(runs: Runs) -> Iterator[Answer]:
         stays &= (np.abs(grip.command - closed) >= _WIDE * grip.span) & (np.arange(stays.shape[1]) > middle)
         wrong: Bools = stays.sum(axis=1) >= _LATER
         if wrong.any() and wrong.mean() <= _FEW:
-            found = (
-                f"{np.median(np.broadcast_to(at, stays.shape)[stays]):.3g} ever since it closed, although it is told to open"
-            )
+            there = np.median(np.broadcast_to(at, stays.shape)[stays])
+            found = f"{there:.3g} ever since it closed, although it is told to open"
             mend = "Did its servo switch off, as in overload, or does it stick? Look at the pictures"
             yield _fault_of(runs, grip, wrong, found, "a gripper that opens, as in the other episodes", mend)
 

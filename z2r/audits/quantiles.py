@@ -1,8 +1,8 @@
 """Are the stored quantiles such as LeRobot stores them? π0.5 scales what it sees and does by q01 and q99.
 
 LeRobot 0.6.1 estimates those of an episode from a histogram, and takes for those of the dataset the mean over its
-episodes (`lerobot/datasets/compute_stats.py`: `aggregate_feature_stats`). Those of all frames lie farther out, towards
-the episode that goes farthest. Which of the two is stored, nobody can tell, and either will do.
+episodes (`lerobot/datasets/compute_stats.py`: `aggregate_feature_stats`). Those of all frames are others. Which of the
+two is stored, nobody can tell, and either will do.
 """
 
 from collections.abc import Iterator
@@ -21,7 +21,6 @@ from z2r.format.schema import Feature, is_for_a_policy
 from z2r.format.tables import QUANTILES, STATS_PATH, read_shard_statistics
 
 _SLACK = 0.15  # of the range from q01 to q99: by so much a histogram, and a mean over episodes, may be off
-_MIDDLE = "q50"
 _NEEDED = ("q01", "q99")
 
 
@@ -60,10 +59,9 @@ def quantiles_of_the_dataset(runs: Runs) -> Iterator[Answer]:
 
 @np.errstate(all="ignore")  # what is stored may be any number
 def _limits(of_episodes: Columns, kind: str, width: Floats) -> tuple[Floats, Floats]:
-    """Return between which numbers a quantile lies, (size,): the mean over the episodes, and the farthest of them."""
-    each, mean = of_episodes[kind].astype(np.float64), _mean(of_episodes, kind)
-    low, high = each.min(axis=0) if kind <= _MIDDLE else mean, each.max(axis=0) if kind >= _MIDDLE else mean
-    return low - _SLACK * width, high + _SLACK * width
+    """Return between which numbers a quantile lies, (size,): amid the episodes' as that of all frames is."""
+    each = of_episodes[kind].astype(np.float64)
+    return each.min(axis=0) - _SLACK * width, each.max(axis=0) + _SLACK * width
 
 
 @np.errstate(all="ignore")
