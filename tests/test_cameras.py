@@ -16,6 +16,7 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
+from types import SimpleNamespace
 
 import av
 import numpy as np
@@ -59,7 +60,7 @@ from layouts import data_files
 from test_audit import said
 
 import z2r
-from z2r.audits import cameras, pictures
+from z2r.audits import cameras, looks, pictures
 from z2r.audits.findings import AUDIT, Finding
 from z2r.audits.signs import Signs, parted
 from z2r.audits.together import Take, fit
@@ -1007,6 +1008,25 @@ def test_pictures_are_not_held_against_a_robot_that_is_where_it_never_was():
     wrong = np.roll(seen[4], 30, axis=0)
     assert fit(takes | {4: Take(wrong, times, places[4], times)}).astray.keys() == {4}
     assert not fit(takes | {4: Take(wrong, times, places[4] + 3, times)}).astray
+
+
+def test_pictures_that_fit_in_half_of_an_episode_are_not_of_something_else():
+    rng, times = np.random.default_rng(2), np.arange(60) / 10
+    places = np.sin(np.cumsum(rng.normal(0, 0.4, size=(8, 60, 2)), axis=1))
+    seen = np.tanh(places @ rng.normal(size=(2, 5)))
+    takes = {number: Take(seen[number], times, places[number], times) for number in range(8)}
+    beside = seen[4] + np.where(times < 3, 4.0, 0)[:, None] * [1, -1, 1, -1, 1]
+    assert not fit(takes | {4: Take(beside, times, places[4], times)}).astray
+
+
+def test_one_picture_of_a_robot_that_rests_is_held_against_it():
+    frame, way = np.arange(0.0, 60, 2), np.interp(np.arange(60), [0, 16, 44, 59], [0, 0.5, 0.5, 1])
+    rests = (frame >= 16) & (frame <= 44)
+    path = looks.Way(np.arange(60), way[:, None], way)
+    still = SimpleNamespace(frame=frame, peak=np.where(rests[1:] & rests[:-1], 2, 90), cells=np.zeros((30, 48)))
+    moving = SimpleNamespace(frame=frame, peak=np.full(29, 90), cells=np.zeros((30, 48)))
+    assert np.isin(looks.take_of(still, path, 1).at, frame[rests]).sum() == 1
+    assert len(looks.take_of(moving, path, 1).at) == len(frame)  # what moves may be late
 
 
 def test_statistics_from_0_to_255_are_named(root):

@@ -54,10 +54,11 @@ _BLURRED = 0.6  # of the sharpness that an episode has most of the time
 _MORE_THAN_NOISE = 1.5  # of 255
 _BACK = 0.95  # of the farther one of two steps, the way of both
 _TINY = 1e-9  # of it
+_STEPS = 2  # of the robot's way for each picture: of one step, one is taken
 _AGAIN = "the same pictures, although the robot is elsewhere, as episode"
 
 
-class _Path(NamedTuple):
+class Way(NamedTuple):
     """At which frames of an episode it is known where the robot is, where it is, and how far it has come, up to 1."""
 
     frames: Ints
@@ -222,7 +223,7 @@ def _robot_moves(runs: Runs) -> Bools:
 # --- decoded
 
 
-def _paths_of_episodes(runs: Runs, places: Floats) -> dict[int, _Path]:
+def _paths_of_episodes(runs: Runs, places: Floats) -> dict[int, Way]:
     """Return where the robot goes in each episode, by its row; in those that are in one file as a whole."""
     table = runs.claims.stored.episodes.value.table
     length = dict(zip(table.number.tolist(), enumerate(table.length.tolist()), strict=True))
@@ -230,7 +231,7 @@ def _paths_of_episodes(runs: Runs, places: Floats) -> dict[int, _Path]:
     for number, n_frames, own in zip(runs.number.tolist(), (runs.stop - runs.start).tolist(), places, strict=True):
         row, claimed = length.get(number, (-1, -1))
         if n_frames == claimed:
-            paths[row] = _Path(place_frames(np.array([n_frames]))[0], own, _way(own))
+            paths[row] = Way(place_frames(np.array([n_frames]))[0], own, _way(own))
     return paths
 
 
@@ -245,7 +246,7 @@ def _way(places: Floats) -> Floats:
     return way
 
 
-def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths: Mapping[int, _Path]) -> Look:
+def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths: Mapping[int, Way]) -> Look:
     number, moves = runs.claims.stored.episodes.value.table.number, _robot_moves(runs)
     flat, blank, dark, still, hung, slow = np.zeros((6, len(moves)), dtype=bool)
     flicker, broken, leap, swing, focus, disorder = np.zeros((6, len(moves)), dtype=bool)
@@ -324,16 +325,24 @@ def _right(look: Look, twins: Sequence[Twin]) -> Bools:
     return right
 
 
-def _held_against_the_robot(look: Look, seen: Mapping[int, Glance], runs: Runs, paths: Mapping[int, _Path]) -> Look:
+def _held_against_the_robot(look: Look, seen: Mapping[int, Glance], runs: Runs, paths: Mapping[int, Way]) -> Look:
     fps, moves = runs.claims.schema.fps, _robot_moves(runs)
     takes = {
-        int(look.number[row]): Take(glance.cells, glance.frame / fps, paths[row].places, paths[row].frames / fps)
+        int(look.number[row]): take_of(glance, paths[row], fps)
         for row, glance in seen.items()
         if moves[row] and row in paths and np.isfinite(paths[row].places).all()
     }
     fits, astray, late = fit(takes)
     wrong = np.isin(look.number, list(astray))
     return look._replace(fits=fits, late=late, astray=Suspects(wrong, lambda row: astray[int(look.number[row])]))
+
+
+def take_of(glance: Glance, path: Way, fps: float) -> Take:
+    """Take one picture of a robot that rests, as long as it stays the same: else all of them outweigh the others."""
+    way = np.interp(glance.frame, path.frames, path.way)
+    changes = np.append(0, np.cumsum(glance.peak > _HARDLY * np.quantile(glance.peak, 0.9)))
+    _, moved = np.unique(np.floor(_STEPS * len(way) * way + changes), return_index=True)
+    return Take(glance.cells[moved], glance.frame[moved] / fps, path.places, path.frames / fps)
 
 
 def _flickers(glance: Glance) -> bool:

@@ -159,8 +159,9 @@ def _odd(learned: _Learned, number: int, usual: int, share: Floats, typical: flo
     """Say what is odd about the pictures of an episode; empty where nothing is."""
     curve = learned.curves[number]
     own, best = _around(curve, usual), int(curve.argmax())
-    is_better = 1 - curve[best] ** 2 <= _LEFT * (1 - own**2) and curve[best] >= max(_SURELY, own + _GAIN)
-    is_late = is_better and abs(_DELAYS[best] - _DELAYS[usual]) > _OF_ONE
+    is_late = abs(_DELAYS[best] - _DELAYS[usual]) > _OF_ONE and _is_better(curve[best], own)
+    in_half = _fit_of_half(learned, number, usual) if is_late or own < _FITS_NOT else own
+    is_late = is_late and _is_better(curve[best], in_half)
     if is_late and share[usual] + share[best] >= _AGREE:  # else each has a delay of its own, and none means anything
         return _later(curve, usual, best)
     if own >= typical - _LESS:
@@ -170,9 +171,27 @@ def _odd(learned: _Learned, number: int, usual: int, share: Floats, typical: flo
         return (
             f"the pictures of episode {other}: a correlation of {better:.2f} with its robot, and of {own:.2f} with this"
         )
-    nothing = own < min(_FITS_NOT, typical - max(_FAR_LESS, _SPREADS * spread))
+    nothing = own < min(_FITS_NOT, typical - max(_FAR_LESS, _SPREADS * spread)) and in_half < typical - _FAR_LESS
     said = f"a correlation of {own:.2f} with where the robot is, where {typical:.2f} is usual"
     return f"{_SOMETHING_ELSE}: {said}" if nothing and not _is_elsewhere(learned, number) else ""
+
+
+def _is_better(fits: float, own: float) -> bool:
+    return 1 - fits**2 <= _LEFT * (1 - own**2) and fits >= max(_SURELY, own + _GAIN)
+
+
+def _fit_of_half(learned: _Learned, number: int, delay: int) -> float:
+    """Return the correlation of that half of an episode that fits better: what is odd is so from beginning to end.
+
+    Where the robot is in one place that it never is in else, that half may fit nothing, and turn the mean of the other.
+    """
+    take, half = learned.takes[number], len(learned.takes[number].at) // 2
+    halves = (
+        take._replace(pictures=take.pictures[some], at=take.at[some]) for some in (slice(half), slice(half, None))
+    )
+    ready = [_ready(each, learned.axes, _DELAYS[delay : delay + 1], least=2) for each in halves]
+    weights = _weights(learned.sums, number)
+    return max(float(_curve(each, weights)[0]) for each in ready)
 
 
 def _is_elsewhere(learned: _Learned, number: int) -> bool:
@@ -282,11 +301,11 @@ def _components(take: Take, axes: _Axes) -> Floats:
     return components
 
 
-def _ready(take: Take, axes: _Axes, delays: Floats = _DELAYS) -> _Ready:
+def _ready(take: Take, axes: _Axes, delays: Floats = _DELAYS, least: int = _MIN_PICTURES) -> _Ready:
     components = _components(take, axes)
     times = take.at - delays[:, None]  # (n_delays, n_pictures)
     known = (times >= take.when[0] - _RESTS) & (times <= take.when[-1] + _RESTS)
-    known &= known.sum(axis=1, keepdims=True) >= _MIN_PICTURES
+    known &= known.sum(axis=1, keepdims=True) >= least
     return _Ready(_around_mean(_terms(_at(take.when, components, times)), known), _around_mean(take.pictures, known))
 
 
