@@ -35,7 +35,6 @@ _LEFT = 0.8  # of what is not foretold: what a delay of its own leaves of it, at
 _MANY, _AGREE = 0.3, 0.6  # of the episodes: what so many have is usual; and what so many have between them is known
 _SAME = 0.2  # of how far pictures are from their mean: what is left of those that are the same
 _LESS, _BETTER, _AS_WELL = 0.2, 0.3, 0.15  # of correlation: below what is usual; by so much better; about as well
-_ELSEWHERE = 1.5  # times as far from where all others have been as is usual: there nothing can be foretold
 _SOMETHING_ELSE = "pictures of something else"
 _FAR_LESS, _SPREADS = 0.35, 7  # below what is usual, in correlation and in spreads of it: nobody need know why
 _NEIGHBOURS = {1: "the next episode", -1: "the episode before"}
@@ -171,9 +170,10 @@ def _odd(learned: _Learned, number: int, usual: int, share: Floats, typical: flo
         return (
             f"the pictures of episode {other}: a correlation of {better:.2f} with its robot, and of {own:.2f} with this"
         )
-    nothing = own < min(_FITS_NOT, typical - max(_FAR_LESS, _SPREADS * spread)) and in_half < typical - _FAR_LESS
+    less = _FAR_LESS * (1 + _leverage(learned, number)) if own < _FITS_NOT else np.inf
+    nothing = own < typical - max(less, _SPREADS * spread) and in_half < typical - less
     said = f"a correlation of {own:.2f} with where the robot is, where {typical:.2f} is usual"
-    return f"{_SOMETHING_ELSE}: {said}" if nothing and not _is_elsewhere(learned, number) else ""
+    return f"{_SOMETHING_ELSE}: {said}" if nothing else ""
 
 
 def _is_better(fits: float, own: float) -> bool:
@@ -194,18 +194,12 @@ def _fit_of_half(learned: _Learned, number: int, delay: int) -> float:
     return max(float(_curve(each, weights)[0]) for each in ready)
 
 
-def _is_elsewhere(learned: _Learned, number: int) -> bool:
-    """Tell whether the robot goes where it never is in the episodes that were learned from."""
-    apart = [_far_from_others(learned, each) for each in learned.sums]
-    return _far_from_others(learned, number) >= _ELSEWHERE * float(np.median(apart))
-
-
-def _far_from_others(learned: _Learned, number: int) -> float:
-    """Return how far the robot is on average from the nearest place where it is in another episode, in spreads."""
-    own = _components(learned.takes[number], learned.axes)[:, None]
-    others = [_components(learned.takes[other], learned.axes) for other in learned.sums if other != number]
-    nearest = np.min([np.square(own - other).sum(axis=-1).min(axis=1) for other in others], axis=0)
-    return float(np.sqrt(nearest).mean())
+def _leverage(learned: _Learned, number: int) -> float:
+    """Return how far its places are from those of the others: by so much more is foretold wrongly, as a variance."""
+    terms = _terms(_components(learned.takes[number], learned.axes))
+    around = terms - terms.mean(axis=0)
+    known = np.sum([sums.terms for other, sums in learned.sums.items() if other != number], axis=0)
+    return float((around * np.linalg.solve(known + _RIDGE * np.eye(len(known)), around.T).T).sum() / len(terms))
 
 
 def _belong_there(learned: _Learned, number: int, other: int, usual: int) -> bool:
