@@ -758,6 +758,21 @@ def under_lamps(camera: str, episode: int, states: np.ndarray) -> Iterator[np.nd
     )
 
 
+def under_lamps_in_bands(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
+    """The same lamp through a rolling shutter: each row sees it at its own time, and the whole is as bright as ever."""
+    row = np.arange(SIZE[0])[:, None, None] / SIZE[0]
+    for frame, picture in enumerate(film(camera, episode, states)):
+        light = 1 + 0.25 * np.sin(2 * np.pi * (2 * row + 0.31 * frame))
+        yield np.clip(picture * light, 0, 255).astype(np.uint8)
+
+
+def two_of_three(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
+    """A camera that gives two pictures where three are stored, of something that never stops."""
+    goes = np.stack([np.sin(0.4 * np.arange(len(states)) + phase) for phase in (episode, episode + 1.6)], axis=1)
+    pictures = list(film(camera, episode, goes))
+    return (pictures[frame - (frame % 3 == 2)] for frame in range(len(pictures)))
+
+
 def hunting(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
     """An autofocus that loses the scene for six frames out of sixteen."""
     pictures = enumerate(film(camera, episode, states))
@@ -853,6 +868,12 @@ SEEN = {
         "warning",
         "in episode 3: found another picture from frame 32",
     ),
+    "lamps that flicker in bands": (
+        only(under_lamps_in_bands, 3),
+        "camera-leap",
+        "note",
+        "in episode 3: found a brightness that goes up and down by",
+    ),
     "lamps that flicker": (
         only(under_lamps, 3),
         "camera-leap",
@@ -873,6 +894,7 @@ SEEN = {
         r"in episode 4: found the same picture for \d\d%",
     ),
     "slow in an episode": (only(thrice, 3), "camera-frozen", "warning", "in episode 3: found the picture of before"),
+    "two pictures for three": (two_of_three, "camera-frozen", "note", r"in episode 0: .* for \d\d% of the steps"),
     "always slow": (thrice, "camera-frozen", "note", "in episode 0: found the picture of before again"),
     "black for an episode": (only(black, 3), "camera-flat", "warning", r"in episode 3: found one colour, black,"),
     "always black": (black, "camera-flat", "warning", r"in episode 0: found one colour, black \(and 7 more"),

@@ -42,6 +42,7 @@ _NO_SIGNAL = 1.2  # of grain: white noise has 1.41, and one pixel of a picture o
 
 _HARDLY = 0.25  # of a large change while the robot moves
 _SLOW, _TURNS = 0.2, 8  # of the robot's way, and steps between two in which it moves
+_NOTHING, _OFTEN = 0.2, 0.4  # of the other step, that one makes which repeats a picture; and of such pairs of steps
 _FITFUL = 0.5  # of these steps: from little change to more, or back
 
 _MOSTLY, _A_WHILE, _NEVER = 0.5, 0.12, 0.03  # of the robot's way
@@ -250,7 +251,7 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths:
     number, moves = runs.claims.stored.episodes.value.table.number, _robot_moves(runs)
     flat, blank, dark, still, hung, slow = np.zeros((6, len(moves)), dtype=bool)
     flicker, broken, leap, swing, focus, disorder = np.zeros((6, len(moves)), dtype=bool)
-    share, again = {}, {}
+    share, again = dict[int, float](), dict[int, str]()
     for row, glance in seen.items():
         flat[row] = glance.spread.max() <= _ONE_COLOUR or np.median(glance.grain) >= _NO_SIGNAL
         nothing = _shows_nothing(glance)
@@ -268,8 +269,10 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths:
             still[row] = share[row] >= _MOSTLY
             elsewhere = (way * (glance.peak <= _NOISE)).sum() / max(way.sum(), _TINY) - share[row]
             hung[row] = elsewhere <= _NEVER and _A_WHILE <= share[row] < _MOSTLY
-            again[row], repeats = _repeats(way, glance.peak)
-            slow[row] = repeats and not still[row]
+            of_way, repeats = _repeats(way, glance.peak)
+            in_a_row = _repeats_in_a_row(glance)
+            slow[row] = (repeats or in_a_row > 0) and not still[row]
+            again[row] = f"{of_way:.0%} of the robot's way" if repeats else f"{in_a_row:.0%} of the steps or more"
             other = still[row] or slow[row] or flicker[row] or broken[row] or swing[row]
             disorder[row] = not other and _is_out_of_order(glance)
     copies = pictures_again(seen, {row: (path.frames, path.places) for row, path in paths.items()})
@@ -295,7 +298,7 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths:
             lambda row: f"pictures of which some have {_sharpness_at_times(seen[row]):.0%} of the usual sharpness",
         ),
         disorder=Suspects(disorder, lambda row: _said_of_disorder(seen[row])),
-        slow=Suspects(slow, lambda row: f"the picture of before again for {again[row]:.0%} of the robot's way"),
+        slow=Suspects(slow, lambda row: f"the picture of before again for {again[row]}"),
         mend="",
         bars=_bars([glance.view for glance in seen.values()]),
         colour=colour,
@@ -317,7 +320,7 @@ def _bars(views: Sequence[NDArray[np.uint8]]) -> str:
 
 def _right(look: Look, twins: Sequence[Twin]) -> Bools:
     """Tell in which episodes the pictures of a camera are such that they can be held against the robot."""
-    right = ~(look.flat.wrong | look.blank.wrong | look.still.wrong)
+    right = ~(look.flat.wrong | look.blank.wrong | look.still.wrong | look.swing.wrong)
     for twin in twins:
         right &= ~(twin.same & (twin.look.camera == look.camera))
     for unlike_others in look.unlike:
@@ -420,6 +423,20 @@ def _repeats(way: Floats, peak: Floats) -> tuple[float, bool]:
     share = (way * little).sum() / max(way.sum(), _TINY)
     turns = np.diff(little)[moving[1:] & moving[:-1]]
     return float(share), bool(share >= _SLOW and len(turns) >= _TURNS and turns.mean() >= _FITFUL)
+
+
+def _repeats_in_a_row(glance: Glance) -> float:
+    """Return how many steps from one frame to the next change nothing, of those where one before or after does; else 0.
+
+    Of a camera that is as fast as the frames, hardly one does so; of one that is slower by a third, two of three.
+    """
+    steps = glance.threes[:, :2]
+    larger = steps.max(axis=1)
+    moving = larger >= max(_MORE_THAN_NOISE, float(np.median(larger)))
+    if moving.sum() < _FEW:
+        return 0.0
+    repeats = steps[moving].min(axis=1) <= _NOTHING * larger[moving]
+    return float(repeats.mean() / 2) if repeats.mean() >= _OFTEN else 0.0
 
 
 def _longest(way: Floats, still: Bools) -> float:
