@@ -797,6 +797,12 @@ def sinking(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarra
     return (np.roll(picture, episode, 0) for picture in film(camera, episode, states))
 
 
+def bumped(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
+    """Somebody hits the table in episode 4: from then on the camera sees it two pixels lower."""
+    pictures = enumerate(film(camera, episode, states))
+    return (np.roll(picture, 2 * (episode + frame / 32 >= 5), 0) for frame, picture in pictures)
+
+
 def interlaced(picture: np.ndarray) -> np.ndarray:
     return np.where(np.arange(SIZE[0])[:, None, None] % 2, np.roll(picture, 3, 1), picture)
 
@@ -848,6 +854,7 @@ MADE = {
     "black is grey": (only(changed(lambda picture: 40 + 0.6 * picture), 1, 3, 5), ODD + "with a contrast of 0"),
     "interlaced": (only(changed(interlaced), 1, 3, 5), ODD + "with rows that differ from those around them"),
     "a texture that is smoothed away": (denoised, ODD + "with a sharpness of"),
+    "bumped": (bumped, r"found what stands still moved by \d\.\d% of the height and 0.\d% .* from episode 5 on"),
     "sinking": (sinking, "found what stands still moved by 10% of the height, bit by bit"),
 }
 SEEN = {

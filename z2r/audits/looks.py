@@ -106,7 +106,7 @@ class Look(NamedTuple):
     parted : sequence of Parted
         Of which episodes the pictures are made in another way, as a number says.
     drift : str
-        By how much the camera moves from episode to episode; empty where it does not.
+        By how much the camera moves from episode to episode, or once; empty where it does not.
     bars : str
         Where all pictures are black from edge to edge; empty where they are not on both sides.
     """
@@ -489,7 +489,9 @@ def _with_signs(look: Look, seen: Mapping[int, Glance], tasks: Mapping[int, int]
     told[[row for each in look.unlike if each.says for row in each.rows.tolist()]] = True
     left = {row: glance for row, glance in seen.items() if not told[row]}
     signs = {row: glance.signs for row, glance in left.items()}
-    return look._replace(parted=parted(signs, tasks), drift=drift({row: glance.still for row, glance in left.items()}))
+    return look._replace(
+        parted=parted(signs, tasks), drift=drift({row: glance.still for row, glance in left.items()}, look.number)
+    )
 
 
 def _shade(level: float) -> str:

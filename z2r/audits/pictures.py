@@ -122,10 +122,10 @@ def pictures_are_of_one_kind(looks: Looks) -> Iterator[Answer]:
 
 @CAMERA_QUALITY.of(Looks)
 def no_camera_sinks(looks: Looks) -> Iterator[Answer]:
-    """Does the view of a camera move a little from each episode to the next?"""
+    """Does the view of a camera move a little from each episode to the next, or once between two of them?"""
     for look in looks.cameras:
         if look.drift:
-            mend = "Is a screw of its mount loose? Compare the first episode with the last"
+            mend = "Was it pushed, or is a screw of its mount loose? Compare the first episode with the last"
             yield Fault(look.place, look.camera, look.drift, "a camera that stays where it is", mend)
 
 
