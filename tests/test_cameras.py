@@ -20,6 +20,7 @@ from types import SimpleNamespace
 
 import av
 import numpy as np
+import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
@@ -62,6 +63,7 @@ from test_audit import said
 import z2r
 from z2r.audits import cameras, looks, pictures
 from z2r.audits.findings import AUDIT, Finding
+from z2r.audits.hues import hues_of, misnamed
 from z2r.audits.signs import Signs, parted
 from z2r.audits.together import Take, fit
 from z2r.check import parts_in
@@ -1058,6 +1060,48 @@ def test_one_picture_of_a_robot_that_rests_is_held_against_it():
     assert len(looks.take_of(moving, path, 1).at) == len(frame)  # what moves may be late
 
 
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("push the red block", ""),
+        ("push the block", ""),
+        ("push the green block", "found pictures with up to .*% red, expected something green, as it says"),
+    ],
+)
+def test_a_colour_that_is_nowhere_is_named(text, says, root):
+    def on_grey(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
+        for picture in film(camera, episode, states):
+            is_hand = (picture[..., :1] > 200) & (picture[..., 1:2] < 60)
+            yield np.where(is_hand, picture, 128).astype(np.uint8)
+
+    for camera in CAMERAS:
+        shoot(root, camera, on_grey)
+    pd.DataFrame({"task_index": [0]}, index=pd.Index([text], name="task")).to_parquet(root / "meta/tasks.parquet")
+    found = [str(each) for each in z2r.audit(root, pictures=True).findings if each.check == "task-colour"]
+    assert len(found) == bool(says)
+    assert not says or re.search(says, found[0])
+
+
+def test_tasks_that_end_with_each_others_colour_are_named():
+    red, blue = np.zeros((2, 3, 4))
+    red[:, 0], blue[:, 3] = 0.1, 0.1
+    seen = {0: red, 1: red, 2: blue, 3: blue}
+    seen = {row: hues + np.array([[0.05], [0.05], [0]]) for row, hues in seen.items()}
+    tasks, texts = {0: 0, 1: 0, 2: 1, 3: 1}, ["go to the red post", "go to the blue post"]
+    assert not misnamed([seen], tasks, dict(enumerate(texts)))
+    exchanged = misnamed([seen], tasks, dict(enumerate(texts[::-1])))
+    assert [(each.task, each.rows.tolist()) for each in exchanged] == [(0, [0, 1]), (1, [2, 3])]
+    assert not misnamed([seen], dict.fromkeys(range(4), 0), {0: texts[0]})
+
+
+@pytest.mark.parametrize("place", range(4))
+def test_a_colour_is_told_from_the_others(place):
+    of_one = np.array([(200, 20, 20), (220, 200, 20), (20, 160, 40), (30, 40, 200)], dtype=np.float32)[place]
+    pictures = np.full((6, 8, 8, 3), 128, dtype=np.float32)
+    pictures[:, :2] = of_one
+    assert hues_of(pictures) == pytest.approx(np.repeat([np.arange(4) == place], 3, axis=0) * 0.25)
+
+
 def test_statistics_from_0_to_255_are_named(root):
     path = root / "meta" / "stats.json"
     path.write_text(json.dumps(json.loads(path.read_text()) | {FRONT: {"mean": [[[120.0]]] * 3}}))
@@ -1281,5 +1325,8 @@ def test_the_command_says_what_it_needs_to_decode(filmed, monkeypatch, capsys):
 
 def test_every_check_of_a_camera_is_made_to_fail():
     named = {check for fault in (*FAULTS.values(), *IMAGE_FAULTS.values()) for check in fault.checks.split()}
-    of_cameras = {part.check.name for part in parts_in(cameras, pictures)} - {"stats"}  # which has a test of its own
+    of_cameras = {part.check.name for part in parts_in(cameras, pictures)} - {
+        "stats",
+        "task-colour",
+    }  # they have tests of their own
     assert named | {check for _, check, *_ in SEEN.values()} >= of_cameras

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from z2r.arrays import Array, Bools, Floats, Ints, Progress, join_all
 from z2r.audits.footage import Footage, ImageSums, VideoSums
 from z2r.audits.frames import FileClaims
+from z2r.audits.hues import hues_of
 from z2r.audits.runs import FileSums, Runs
 from z2r.audits.signs import Signs, signs_of
 from z2r.errors import DatasetError, Fault
@@ -102,6 +103,8 @@ class Glance(NamedTuple):
         What is there most of the time: the median of all of them, in RGB.
     still : ndarray, uint8[48, 64]
         The same of brightness and of a third of them, and not as small.
+    hues : ndarray, float64[3, 4]
+        As in `hues_of`.
     signs : Signs
         How they are made.
     """
@@ -122,6 +125,7 @@ class Glance(NamedTuple):
     cells: NDArray[np.float16]
     view: NDArray[np.uint8]
     still: NDArray[np.uint8]
+    hues: Floats
     signs: Signs
 
 
@@ -279,6 +283,7 @@ def _glance(frame: Floats, numbers: Ints, pictures: Mapping[int, Small]) -> Glan
         cells=bright.reshape(n, height // 8, 8, width // 8, 8).mean(axis=(2, 4)).reshape(n, -1).astype(np.float16),
         view=np.median(quarters, axis=0).round().astype(np.uint8),
         still=np.median(seen[::_EACH], axis=0).round().astype(np.uint8),
+        hues=hues_of(colours),
         signs=signs_of([pictures[number] for number in numbers.tolist()], colours, seen),
     )
 

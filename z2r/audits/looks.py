@@ -13,6 +13,7 @@ from z2r.audits.claims import Claims
 from z2r.audits.copies import pictures_again
 from z2r.audits.footage import Footage, ImageSums, VideoSums, place_frames
 from z2r.audits.glances import Filmed, Glance, Glances
+from z2r.audits.hues import Misnamed, misnamed
 from z2r.audits.runs import Runs
 from z2r.audits.signs import Parted, drift, parted
 from z2r.audits.together import Take, fit
@@ -148,13 +149,14 @@ class Twin(NamedTuple):
 
 
 class Looks(NamedTuple):
-    """What is claimed; what the pictures of all cameras look like; what cannot be decoded, and what nobody saw."""
+    """What is claimed; what the pictures of all cameras look like; what cannot be decoded or seen; and tasks."""
 
     claims: Claims
     cameras: Sequence[Look]
     twins: Sequence[Twin]
     faults: Sequence[Fault]
     not_checked: Sequence[str]
+    misnamed: Sequence[Misnamed] = ()
 
 
 def looks_of_sizes(filmed: Filmed) -> Looks:
@@ -202,6 +204,7 @@ def looks_of_glances(filmed: Filmed, glances: Glances) -> Looks:
         twins,
         glances.faults,
         [*_unseen(glances, n_episodes), *_unfit(looks, n_episodes)],
+        _misnamed(glances, tasks, runs.claims),
     )
 
 
@@ -481,6 +484,13 @@ def _tasks(runs: Runs) -> dict[int, int]:
     task = dict(zip(runs.number[runs.tasks[:, 0]].tolist(), runs.tasks[:, 1].tolist(), strict=True))
     numbers = runs.claims.stored.episodes.value.table.number.tolist()
     return {row: task[number] for row, number in enumerate(numbers) if number in task}
+
+
+def _misnamed(glances: Glances, tasks: Mapping[int, int], claims: Claims) -> list[Misnamed]:
+    named = claims.stored.tasks.value
+    texts = {} if named is None else dict(zip(named.number.tolist(), named.text, strict=True))
+    hues = [{row: glance.hues for row, glance in seen.items()} for seen in glances.cameras.values()]
+    return misnamed(hues, tasks, texts)
 
 
 def _with_signs(look: Look, seen: Mapping[int, Glance], tasks: Mapping[int, int]) -> Look:
