@@ -43,7 +43,7 @@ _NO_SIGNAL = 1.2  # of grain: white noise has 1.41, and one pixel of a picture o
 
 _HARDLY = 0.25  # of a large change while the robot moves
 _SLOW, _TURNS = 0.2, 8  # of the robot's way, and steps between two in which it moves
-_NOTHING, _OFTEN = 0.2, 0.4  # of the other step, that one makes which repeats a picture; and of such pairs of steps
+_NOTHING, _OFTEN = 0.2, 0.6  # of the other step, that one makes which repeats a picture; and of such pairs of steps
 _FITFUL = 0.5  # of these steps: from little change to more, or back
 
 _MOSTLY, _A_WHILE, _NEVER = 0.5, 0.12, 0.03  # of the robot's way
@@ -431,7 +431,8 @@ def _repeats(way: Floats, peak: Floats) -> tuple[float, bool]:
 def _repeats_in_a_row(glance: Glance) -> float:
     """Return how many steps from one frame to the next change nothing, of those where one before or after does; else 0.
 
-    Of a camera that is as fast as the frames, hardly one does so; of one that is slower by a third, two of three.
+    Of a camera that is as fast as the frames, some do where the robot starts or stops; of one that is slower by a third,
+    two of three.
     """
     steps = glance.threes[:, :2]
     larger = steps.max(axis=1)
