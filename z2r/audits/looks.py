@@ -431,7 +431,7 @@ def _repeats(way: Floats, peak: Floats) -> tuple[float, bool]:
 def _repeats_in_a_row(glance: Glance) -> float:
     """Return how many steps from one frame to the next change nothing, of those where one before or after does; else 0.
 
-    Of a camera that is as fast as the frames, some do where the robot starts or stops; of one that is slower by a third,
+    Of a camera that is as fast as the frames, some do where the robot starts or stops; of one slower by a third,
     two of three.
     """
     steps = glance.threes[:, :2]
