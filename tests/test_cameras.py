@@ -20,6 +20,7 @@ from types import SimpleNamespace
 
 import av
 import numpy as np
+import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
@@ -60,10 +61,11 @@ from layouts import data_files
 from test_audit import said
 
 import z2r
-from z2r.audits import cameras, pictures, together
+from z2r.audits import cameras, looks, pictures, together
 from z2r.audits.copies import pictures_of_neighbours
 from z2r.audits.findings import AUDIT, Finding
 from z2r.audits.footage import _longest_rest
+from z2r.audits.hues import hues_of, misnamed
 from z2r.audits.signs import Signs, parted
 from z2r.audits.together import Take, fit
 from z2r.check import parts_in
@@ -793,6 +795,21 @@ def under_lamps(camera: str, episode: int, states: np.ndarray) -> Iterator[np.nd
     )
 
 
+def under_lamps_in_bands(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
+    """The same lamp through a rolling shutter: each row sees it at its own time, and the whole is as bright as ever."""
+    row = np.arange(SIZE[0])[:, None, None] / SIZE[0]
+    for frame, picture in enumerate(film(camera, episode, states)):
+        light = 1 + 0.25 * np.sin(2 * np.pi * (2 * row + 0.31 * frame))
+        yield np.clip(picture * light, 0, 255).astype(np.uint8)
+
+
+def two_of_three(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
+    """A camera that gives two pictures where three are stored, of something that never stops."""
+    goes = np.stack([np.sin(0.4 * np.arange(len(states)) + phase) for phase in (episode, episode + 1.6)], axis=1)
+    pictures = list(film(camera, episode, goes))
+    return (pictures[frame - (frame % 3 == 2)] for frame in range(len(pictures)))
+
+
 def hunting(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
     """An autofocus that loses the scene for six frames out of sixteen."""
     pictures = enumerate(film(camera, episode, states))
@@ -815,6 +832,12 @@ def hunting_for_white(camera: str, episode: int, states: np.ndarray) -> Iterator
 def sinking(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
     """A camera whose mount gives way."""
     return (np.roll(picture, episode, 0) for picture in film(camera, episode, states))
+
+
+def bumped(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
+    """Somebody hits the table in episode 4: from then on the camera sees it two pixels lower."""
+    pictures = enumerate(film(camera, episode, states))
+    return (np.roll(picture, 2 * (episode + frame / 32 >= 5), 0) for frame, picture in pictures)
 
 
 def interlaced(picture: np.ndarray) -> np.ndarray:
@@ -869,6 +892,7 @@ MADE = {
     "black is grey": (only(changed(lambda picture: 40 + 0.6 * picture), 1, 3, 5), ODD + "with a contrast of 0"),
     "interlaced": (only(changed(interlaced), 1, 3, 5), ODD + "with rows that differ from those around them"),
     "a texture that is smoothed away": (denoised, ODD + "with a sharpness of"),
+    "bumped": (bumped, r"found what stands still moved by \d\.\d% of the height and 0.\d% .* from episode 5 on"),
     "sinking": (sinking, "found what stands still moved by 10% of the height, bit by bit"),
 }
 SEEN = {
@@ -888,6 +912,12 @@ SEEN = {
         "camera-leap",
         "warning",
         "in episode 3: found another picture from frame 32",
+    ),
+    "lamps that flicker in bands": (
+        only(under_lamps_in_bands, 3),
+        "camera-leap",
+        "note",
+        "in episode 3: found a brightness that goes up and down by",
     ),
     "lamps that flicker": (
         only(under_lamps, 3),
@@ -921,6 +951,7 @@ SEEN = {
         r"in episode 0: found last two pictures like the first of the next \(and [2-6] more",
     ),
     "slow in an episode": (only(thrice, 3), "camera-frozen", "warning", "in episode 3: found the picture of before"),
+    "two pictures for three": (two_of_three, "camera-frozen", "note", r"in episode 0: .* for \d\d% of the steps"),
     "always slow": (thrice, "camera-frozen", "note", "in episode 0: found the picture of before again"),
     "black for an episode": (only(black, 3), "camera-flat", "warning", r"in episode 3: found one colour, black,"),
     "always black": (black, "camera-flat", "warning", r"in episode 0: found one colour, black \(and 7 more"),
@@ -1083,7 +1114,8 @@ def test_most_episodes_are_never_the_odd_ones(n_wrong, n_named):
 )
 def test_pictures_of_something_else_are_far_below_what_is_usual(own, typical, spread, named, monkeypatch):
     monkeypatch.setattr(together, "_fits_of_others", lambda learned, number: [(-1.0, 1)])
-    monkeypatch.setattr(together, "_is_elsewhere", lambda learned, number: False)
+    monkeypatch.setattr(together, "_fit_of_half", lambda learned, number, delay: own)
+    monkeypatch.setattr(together, "_leverage", lambda learned, number: 0.0)
     learned = together._Learned({}, None, {}, {0: np.full(31, own)})
     assert bool(together._odd(learned, 0, 15, np.zeros(31), typical, spread)) == named
 
@@ -1095,6 +1127,67 @@ def test_one_episode_that_begins_with_a_neighbours_picture_is_found():
     ends[3, 0, 0] = ends[2, 1, 0]
     seen = {row: SimpleNamespace(ends=own) for row, own in enumerate(ends)} | {8: SimpleNamespace(ends=None)}
     assert pictures_of_neighbours(seen) == {3: "first picture like the last of the episode before"}
+
+
+def test_pictures_that_fit_in_half_of_an_episode_are_not_of_something_else():
+    rng, times = np.random.default_rng(2), np.arange(60) / 10
+    places = np.sin(np.cumsum(rng.normal(0, 0.4, size=(8, 60, 2)), axis=1))
+    seen = np.tanh(places @ rng.normal(size=(2, 5)))
+    takes = {number: Take(seen[number], times, places[number], times) for number in range(8)}
+    beside = seen[4] + np.where(times < 3, 4.0, 0)[:, None] * [1, -1, 1, -1, 1]
+    assert not fit(takes | {4: Take(beside, times, places[4], times)}).astray
+
+
+def test_one_picture_of_a_robot_that_rests_is_held_against_it():
+    frame, way = np.arange(0.0, 60, 2), np.interp(np.arange(60), [0, 16, 44, 59], [0, 0.5, 0.5, 1])
+    rests = (frame >= 16) & (frame <= 44)
+    path = looks.Way(np.arange(60), way[:, None], way)
+    still = SimpleNamespace(frame=frame, peak=np.where(rests[1:] & rests[:-1], 2, 90), cells=np.zeros((30, 48)))
+    moving = SimpleNamespace(frame=frame, peak=np.full(29, 90), cells=np.zeros((30, 48)))
+    assert np.isin(looks.take_of(still, path, 1).at, frame[rests]).sum() == 1
+    assert len(looks.take_of(moving, path, 1).at) == len(frame)  # what moves may be late
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("push the red block", ""),
+        ("push the block", ""),
+        ("push the green block", "found pictures with up to .*% red, expected something green, as it says"),
+    ],
+)
+def test_a_colour_that_is_nowhere_is_named(text, says, root):
+    def on_grey(camera: str, episode: int, states: np.ndarray) -> Iterator[np.ndarray]:
+        for picture in film(camera, episode, states):
+            is_hand = (picture[..., :1] > 200) & (picture[..., 1:2] < 60)
+            yield np.where(is_hand, picture, 128).astype(np.uint8)
+
+    for camera in CAMERAS:
+        shoot(root, camera, on_grey)
+    pd.DataFrame({"task_index": [0]}, index=pd.Index([text], name="task")).to_parquet(root / "meta/tasks.parquet")
+    found = [str(each) for each in z2r.audit(root, pictures=True).findings if each.check == "task-colour"]
+    assert len(found) == bool(says)
+    assert not says or re.search(says, found[0])
+
+
+def test_tasks_that_end_with_each_others_colour_are_named():
+    red, blue = np.zeros((2, 3, 4))
+    red[:, 0], blue[:, 3] = 0.1, 0.1
+    seen = {0: red, 1: red, 2: blue, 3: blue}
+    seen = {row: hues + np.array([[0.05], [0.05], [0]]) for row, hues in seen.items()}
+    tasks, texts = {0: 0, 1: 0, 2: 1, 3: 1}, ["go to the red post", "go to the blue post"]
+    assert not misnamed([seen], tasks, dict(enumerate(texts)))
+    exchanged = misnamed([seen], tasks, dict(enumerate(texts[::-1])))
+    assert [(each.task, each.rows.tolist()) for each in exchanged] == [(0, [0, 1]), (1, [2, 3])]
+    assert not misnamed([seen], dict.fromkeys(range(4), 0), {0: texts[0]})
+
+
+@pytest.mark.parametrize("place", range(4))
+def test_a_colour_is_told_from_the_others(place):
+    of_one = np.array([(200, 20, 20), (220, 200, 20), (20, 160, 40), (30, 40, 200)], dtype=np.float32)[place]
+    pictures = np.full((6, 8, 8, 3), 128, dtype=np.float32)
+    pictures[:, :2] = of_one
+    assert hues_of(pictures) == pytest.approx(np.repeat([np.arange(4) == place], 3, axis=0) * 0.25)
 
 
 def test_statistics_from_0_to_255_are_named(root):
@@ -1320,5 +1413,8 @@ def test_the_command_says_what_it_needs_to_decode(filmed, monkeypatch, capsys):
 
 def test_every_check_of_a_camera_is_made_to_fail():
     named = {check for fault in (*FAULTS.values(), *IMAGE_FAULTS.values()) for check in fault.checks.split()}
-    of_cameras = {part.check.name for part in parts_in(cameras, pictures)} - {"stats"}  # which has a test of its own
+    of_cameras = {part.check.name for part in parts_in(cameras, pictures)} - {
+        "stats",
+        "task-colour",
+    }  # they have tests of their own
     assert named | {check for _, check, *_ in SEEN.values()} >= of_cameras

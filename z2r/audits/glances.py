@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from z2r.arrays import Array, Bools, Floats, Ints, Progress, join_all
 from z2r.audits.footage import Footage, ImageSums, VideoSums, longest_rests
 from z2r.audits.frames import FileClaims
+from z2r.audits.hues import hues_of
 from z2r.audits.runs import FileSums, Runs
 from z2r.audits.signs import Signs, signs_of
 from z2r.errors import DatasetError, Fault
@@ -31,6 +32,7 @@ _ENOUGH = 24  # that can be decoded alone: where there are fewer, the others are
 _EACH = 3  # of these, with which the next two are looked at
 _FEW = 8  # pictures: from fewer nothing is said
 _EPISODES = 8  # at a time
+_BANDS = 12  # of a picture, one above the other
 _BRIGHTNESS = np.array([0.299, 0.587, 0.114], dtype=np.float32)  # of red, green and blue: ITU-R BT.601
 _PRINTS = np.array([0.1, 0.4, 0.6, 0.9])  # of the way through an episode
 
@@ -92,7 +94,8 @@ class Glance(NamedTuple):
         Of three frames in a row: how far the first is from the second, the second from the third, and the first from
         the third, as a root mean square over 12 x 16 parts of them, in which noise hardly counts.
     swing : ndarray, float64[n_threes]
-        How much brighter or darker the second is than the two around it.
+        How much brighter or darker the second is than the two around it, on average over bands from edge to edge: a
+        rolling shutter sees the swing of a lamp in bands.
     colours : ndarray, float64[2, 3]
         Red, green and blue on average, from 0 to 1, and so of their squares.
     cells : ndarray, float16[n, 48]
@@ -101,6 +104,8 @@ class Glance(NamedTuple):
         What is there most of the time: the median of all of them, in RGB.
     still : ndarray, uint8[48, 64]
         The same of brightness and of a third of them, and not as small.
+    hues : ndarray, float64[3, 4]
+        As in `hues_of`.
     signs : Signs
         How they are made.
     ends : ndarray, uint8[2, 3, 24, 32], or None
@@ -125,6 +130,7 @@ class Glance(NamedTuple):
     cells: NDArray[np.float16]
     view: NDArray[np.uint8]
     still: NDArray[np.uint8]
+    hues: Floats
     signs: Signs
     ends: NDArray[np.uint8] | None
     rest: Ints | None
@@ -273,7 +279,7 @@ def _glance(
     threes = np.array(rows, dtype=np.float32).reshape(-1, 3, *colours.shape[1:])
     in_a_row = threes @ _BRIGHTNESS  # (n_threes, 3, 48, 64)
     bright, (one, two, three) = _as_bright(seen), np.moveaxis(_as_bright(in_a_row), 1, 0)
-    level = in_a_row.mean(axis=(2, 3), dtype=np.float64)
+    bands = in_a_row.reshape(len(threes), 3, _BANDS, -1).mean(axis=3, dtype=np.float64)
     apart = np.abs(np.diff(seen, axis=0))
     pixels = colours[::_EACH].reshape(-1, 3) / 255
     n, height, width = seen.shape
@@ -287,7 +293,7 @@ def _glance(
         peak=apart.max(axis=(1, 2)).astype(np.float64),
         near=_apart(one, two),
         threes=np.stack([_coarsely_apart(one, two), _coarsely_apart(two, three), _coarsely_apart(one, three)], axis=1),
-        swing=np.abs(level[:, 1] - level[:, ::2].mean(axis=1)),
+        swing=np.abs(bands[:, 1] - bands[:, ::2].mean(axis=1)).mean(axis=1),
         far=_apart(bright[:-1], bright[1:]),
         across=_apart(bright[: n - n // 2], bright[n // 2 :]),
         colours=np.stack([each.mean(axis=0, dtype=np.float64) for each in (pixels, np.square(pixels))]),
@@ -295,6 +301,7 @@ def _glance(
         cells=bright.reshape(n, height // 8, 8, width // 8, 8).mean(axis=(2, 4)).reshape(n, -1).astype(np.float16),
         view=np.median(quarters, axis=0).round().astype(np.uint8),
         still=np.median(seen[::_EACH], axis=0).round().astype(np.uint8),
+        hues=hues_of(colours),
         signs=signs_of([pictures[number] for number in numbers.tolist()], colours, seen),
         ends=_how_bright(_ends(*span), pictures),
         rest=rest,

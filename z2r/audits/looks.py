@@ -13,6 +13,7 @@ from z2r.audits.claims import Claims
 from z2r.audits.copies import pictures_again, pictures_of_neighbours
 from z2r.audits.footage import Footage, ImageSums, VideoSums, place_frames, size_of_the_same
 from z2r.audits.glances import Filmed, Glance, Glances
+from z2r.audits.hues import Misnamed, misnamed
 from z2r.audits.runs import Runs
 from z2r.audits.signs import Parted, drift, parted
 from z2r.audits.together import Take, fit
@@ -41,6 +42,7 @@ _NO_SIGNAL = 1.2  # of grain: white noise has 1.41, and one pixel of a picture o
 
 _HARDLY = 0.25  # of a large change while the robot moves
 _SLOW, _TURNS = 0.2, 8  # of the robot's way, and steps between two in which it moves
+_NOTHING, _OFTEN = 0.2, 0.6  # of the other step, that one makes which repeats a picture; and of such pairs of steps
 _FITFUL = 0.5  # of these steps: from little change to more, or back
 
 _MOSTLY, _A_WHILE, _NEVER = 0.5, 0.12, 0.03  # of the robot's way
@@ -55,10 +57,11 @@ _BLURRED = 0.6  # of the sharpness that an episode has most of the time
 _MORE_THAN_NOISE = 1.5  # of 255
 _BACK = 0.95  # of the farther one of two steps, the way of both
 _TINY = 1e-9  # of it
+_STEPS = 2  # of the robot's way for each picture: of one step, one is taken
 _AGAIN = "the same pictures, although the robot is elsewhere, as episode"
 
 
-class _Path(NamedTuple):
+class Way(NamedTuple):
     """At which frames of an episode it is known where the robot is, where it is, and how far it has come, up to 1."""
 
     frames: Ints
@@ -106,7 +109,7 @@ class Look(NamedTuple):
     parted : sequence of Parted
         Of which episodes the pictures are made in another way, as a number says.
     drift : str
-        By how much the camera moves from episode to episode; empty where it does not.
+        By how much the camera moves from episode to episode, or once; empty where it does not.
     bars : str
         Where all pictures are black from edge to edge; empty where they are not on both sides.
     """
@@ -149,13 +152,14 @@ class Twin(NamedTuple):
 
 
 class Looks(NamedTuple):
-    """What is claimed; what the pictures of all cameras look like; what cannot be decoded, and what nobody saw."""
+    """What is claimed; what the pictures of all cameras look like; what cannot be decoded or seen; and tasks."""
 
     claims: Claims
     cameras: Sequence[Look]
     twins: Sequence[Twin]
     faults: Sequence[Fault]
     not_checked: Sequence[str]
+    misnamed: Sequence[Misnamed] = ()
 
 
 def looks_of_sizes(filmed: Filmed) -> Looks:
@@ -205,6 +209,7 @@ def looks_of_glances(filmed: Filmed, glances: Glances) -> Looks:
         twins,
         glances.faults,
         [*_unseen(glances, n_episodes), *_unfit(looks, n_episodes)],
+        _misnamed(glances, tasks, runs.claims),
     )
 
 
@@ -227,7 +232,7 @@ def _robot_moves(runs: Runs) -> Bools:
 # --- decoded
 
 
-def _paths_of_episodes(runs: Runs, places: Floats) -> dict[int, _Path]:
+def _paths_of_episodes(runs: Runs, places: Floats) -> dict[int, Way]:
     """Return where the robot goes in each episode, by its row; in those that are in one file as a whole."""
     table = runs.claims.stored.episodes.value.table
     length = dict(zip(table.number.tolist(), enumerate(table.length.tolist()), strict=True))
@@ -235,7 +240,7 @@ def _paths_of_episodes(runs: Runs, places: Floats) -> dict[int, _Path]:
     for number, n_frames, own in zip(runs.number.tolist(), (runs.stop - runs.start).tolist(), places, strict=True):
         row, claimed = length.get(number, (-1, -1))
         if n_frames == claimed:
-            paths[row] = _Path(place_frames(np.array([n_frames]))[0], own, _way(own))
+            paths[row] = Way(place_frames(np.array([n_frames]))[0], own, _way(own))
     return paths
 
 
@@ -250,11 +255,11 @@ def _way(places: Floats) -> Floats:
     return way
 
 
-def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths: Mapping[int, _Path]) -> Look:
+def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths: Mapping[int, Way]) -> Look:
     number, moves = runs.claims.stored.episodes.value.table.number, _robot_moves(runs)
     flat, blank, dark, still, hung, slow = np.zeros((6, len(moves)), dtype=bool)
     flicker, broken, leap, swing, focus, disorder = np.zeros((6, len(moves)), dtype=bool)
-    share, again = {}, {}
+    share, again = dict[int, float](), dict[int, str]()
     for row, glance in seen.items():
         flat[row] = glance.spread.max() <= _ONE_COLOUR or np.median(glance.grain) >= _NO_SIGNAL
         nothing = _shows_nothing(glance)
@@ -272,8 +277,10 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths:
             still[row] = share[row] >= _MOSTLY
             elsewhere = (way * (glance.peak <= _NOISE)).sum() / max(way.sum(), _TINY) - share[row]
             hung[row] = elsewhere <= _NEVER and _A_WHILE <= share[row] < _MOSTLY
-            again[row], repeats = _repeats(way, glance.peak)
-            slow[row] = repeats and not still[row]
+            of_way, repeats = _repeats(way, glance.peak)
+            in_a_row = _repeats_in_a_row(glance)
+            slow[row] = (repeats or in_a_row > 0) and not still[row]
+            again[row] = f"{of_way:.0%} of the robot's way" if repeats else f"{in_a_row:.0%} of the steps or more"
             other = still[row] or slow[row] or flicker[row] or broken[row] or swing[row]
             disorder[row] = not other and _is_out_of_order(glance)
     copies = pictures_again(seen, {row: (path.frames, path.places) for row, path in paths.items()})
@@ -301,7 +308,7 @@ def _look_of_glances(camera: str, seen: Mapping[int, Glance], runs: Runs, paths:
             lambda row: f"pictures of which some have {_sharpness_at_times(seen[row]):.0%} of the usual sharpness",
         ),
         disorder=Suspects(disorder, lambda row: _said_of_disorder(seen[row])),
-        slow=Suspects(slow, lambda row: f"the picture of before again for {again[row]:.0%} of the robot's way"),
+        slow=Suspects(slow, lambda row: f"the picture of before again for {again[row]}"),
         mend="",
         bars=_bars([glance.view for glance in seen.values()]),
         colour=colour,
@@ -318,7 +325,7 @@ def _rests(seen: Mapping[int, Glance], images: ImageSums | None, runs: Runs) -> 
     return {row[number]: rest for number, rest in rests if number in row}
 
 
-def _with_hung(look: Look, rests: Mapping[int, Ints], runs: Runs, paths: Mapping[int, _Path]) -> Look:
+def _with_hung(look: Look, rests: Mapping[int, Ints], runs: Runs, paths: Mapping[int, Way]) -> Look:
     """Find where pictures are the same for a while although the robot moves, unlike in nearly all other episodes."""
     length, moves = runs.claims.stored.episodes.value.table.length, _robot_moves(runs)
     way, n = np.zeros((2, len(length)))
@@ -353,7 +360,7 @@ def _bars(views: Sequence[NDArray[np.uint8]]) -> str:
 
 def _right(look: Look, twins: Sequence[Twin]) -> Bools:
     """Tell in which episodes the pictures of a camera are such that they can be held against the robot."""
-    right = ~(look.flat.wrong | look.blank.wrong | look.still.wrong)
+    right = ~(look.flat.wrong | look.blank.wrong | look.still.wrong | look.swing.wrong)
     for twin in twins:
         right &= ~(twin.same & (twin.look.camera == look.camera))
     for unlike_others in look.unlike:
@@ -361,16 +368,24 @@ def _right(look: Look, twins: Sequence[Twin]) -> Bools:
     return right
 
 
-def _held_against_the_robot(look: Look, seen: Mapping[int, Glance], runs: Runs, paths: Mapping[int, _Path]) -> Look:
+def _held_against_the_robot(look: Look, seen: Mapping[int, Glance], runs: Runs, paths: Mapping[int, Way]) -> Look:
     fps, moves = runs.claims.schema.fps, _robot_moves(runs)
     takes = {
-        int(look.number[row]): Take(glance.cells, glance.frame / fps, paths[row].places, paths[row].frames / fps)
+        int(look.number[row]): take_of(glance, paths[row], fps)
         for row, glance in seen.items()
         if moves[row] and row in paths and np.isfinite(paths[row].places).all()
     }
     fits, astray, late = fit(takes)
     wrong = np.isin(look.number, list(astray))
     return look._replace(fits=fits, late=late, astray=Suspects(wrong, lambda row: astray[int(look.number[row])]))
+
+
+def take_of(glance: Glance, path: Way, fps: float) -> Take:
+    """Take one picture of a robot that rests, as long as it stays the same: else all of them outweigh the others."""
+    way = np.interp(glance.frame, path.frames, path.way)
+    changes = np.append(0, np.cumsum(glance.peak > _HARDLY * np.quantile(glance.peak, 0.9)))
+    _, moved = np.unique(np.floor(_STEPS * len(way) * way + changes), return_index=True)
+    return Take(glance.cells[moved], glance.frame[moved] / fps, path.places, path.frames / fps)
 
 
 def _flickers(glance: Glance) -> bool:
@@ -450,6 +465,21 @@ def _repeats(way: Floats, peak: Floats) -> tuple[float, bool]:
     return float(share), bool(share >= _SLOW and len(turns) >= _TURNS and turns.mean() >= _FITFUL)
 
 
+def _repeats_in_a_row(glance: Glance) -> float:
+    """Return how many steps from one frame to the next change nothing, of those where one before or after does; else 0.
+
+    Of a camera that is as fast as the frames, some do where the robot starts or stops; of one slower by a third,
+    two of three.
+    """
+    steps = glance.threes[:, :2]
+    larger = steps.max(axis=1)
+    moving = larger >= max(_MORE_THAN_NOISE, float(np.median(larger)))
+    if moving.sum() < _FEW:
+        return 0.0
+    repeats = steps[moving].min(axis=1) <= _NOTHING * larger[moving]
+    return float(repeats.mean() / 2) if repeats.mean() >= _OFTEN else 0.0
+
+
 def _longest(way: Floats, still: Bools) -> float:
     """Return how far the robot comes in the longest stretch in which the picture stays the same."""
     stretch = np.cumsum(np.diff(still, prepend=still[:1]))
@@ -494,13 +524,22 @@ def _tasks(runs: Runs) -> dict[int, int]:
     return {row: task[number] for row, number in enumerate(numbers) if number in task}
 
 
+def _misnamed(glances: Glances, tasks: Mapping[int, int], claims: Claims) -> list[Misnamed]:
+    named = claims.stored.tasks.value
+    texts = {} if named is None else dict(zip(named.number.tolist(), named.text, strict=True))
+    hues = [{row: glance.hues for row, glance in seen.items()} for seen in glances.cameras.values()]
+    return misnamed(hues, tasks, texts)
+
+
 def _with_signs(look: Look, seen: Mapping[int, Glance], tasks: Mapping[int, int]) -> Look:
     """Look for signs, but in episodes of which more is known, as that explains them."""
     told = look.flat.wrong | look.blank.wrong | look.dark.wrong | look.still.wrong | look.hung.wrong | look.slow.wrong
     told[[row for each in look.unlike if each.says for row in each.rows.tolist()]] = True
     left = {row: glance for row, glance in seen.items() if not told[row]}
     signs = {row: glance.signs for row, glance in left.items()}
-    return look._replace(parted=parted(signs, tasks), drift=drift({row: glance.still for row, glance in left.items()}))
+    return look._replace(
+        parted=parted(signs, tasks), drift=drift({row: glance.still for row, glance in left.items()}, look.number)
+    )
 
 
 def _shade(level: float) -> str:

@@ -12,7 +12,7 @@ from z2r.audits.structure import VIDEO_FILE
 from z2r.check import Answer, Check
 from z2r.errors import Fault
 from z2r.format.rules import and_more, episodes_of
-from z2r.format.tables import STATS_PATH
+from z2r.format.tables import STATS_PATH, TASKS_PATH
 from z2r.reading.stored import episodes_named
 
 _OTHER_COLOUR = 0.1  # of white: some of the pictures may be that far from all of them
@@ -122,10 +122,10 @@ def pictures_are_of_one_kind(looks: Looks) -> Iterator[Answer]:
 
 @CAMERA_QUALITY.of(Looks)
 def no_camera_sinks(looks: Looks) -> Iterator[Answer]:
-    """Does the view of a camera move a little from each episode to the next?"""
+    """Does the view of a camera move a little from each episode to the next, or once between two of them?"""
     for look in looks.cameras:
         if look.drift:
-            mend = "Is a screw of its mount loose? Compare the first episode with the last"
+            mend = "Was it pushed, or is a screw of its mount loose? Compare the first episode with the last"
             yield Fault(look.place, look.camera, look.drift, "a camera that stays where it is", mend)
 
 
@@ -190,6 +190,18 @@ def camera_motion(looks: Looks) -> Iterator[Answer]:
             found = f"pictures of where the robot was {look.late:g} s before, in all episodes"
             mend = "A policy learns with old pictures: is the camera as late where it shall act?"
             yield "note", Fault(look.place, look.camera, found, "pictures that show where the robot is", mend)
+
+
+@Check(
+    "task-colour", "there is something of each colour that a task names, in the pictures of its episodes", "note"
+).of(Looks)
+def task_colour(looks: Looks) -> Iterator[Answer]:
+    """Does a task name red, yellow, green or blue, and the pictures show none of it, or end with that of another?"""
+    number = looks.claims.stored.episodes.value.table.number
+    for each in looks.misnamed:
+        mend = "Are the texts of tasks exchanged, or red and blue? Look at an episode, and read its task"
+        named = episodes_of(number, each.rows)
+        yield Fault(TASKS_PATH, f"task {each.task}", each.found, f"{each.expected}, as it says", mend, named)
 
 
 def _looks_wrong(look: Look, suspects: Suspects, expected: str) -> Iterator[Fault]:

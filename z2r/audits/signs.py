@@ -21,6 +21,7 @@ _EACH = 4  # of the pictures, of which one is enough for what is slow to tell
 _FITS = 1.3  # times as well as where they belong
 _TINY = 1e-3
 _BALANCED = 0.01  # what a ratio of red to blue swings by in any case
+_AT_LEAST, _STEPS, _STANDS = 2, 0.7, 2.0  # episodes; cells; and times as far as those of one side lie apart
 _DRIFTS, _STEADILY, _SEEN = 2.0, 0.95, 0.15  # cells of 48 or 64; a correlation with the order; and of both pictures
 
 type _Pictures = NDArray[np.floating[Any]]
@@ -191,21 +192,56 @@ def _told_by_tasks(some: Ints, others: Ints, tasks: Mapping[int, int]) -> bool:
     return bool(one) and not one & other
 
 
-def drift(stills: Mapping[int, NDArray[np.uint8]]) -> str:
-    """Say by how much what stands still (48, 64) moves from the first episode to the last; empty where it does not."""
+def drift(stills: Mapping[int, NDArray[np.uint8]], numbers: Ints) -> str:
+    """Say by how much what stands still (48, 64) moves, bit by bit or once; empty where it does not.
+
+    Parameters
+    ----------
+    stills : dict of int to ndarray of uint8
+        Of each episode, by its row in the metadata.
+    numbers : ndarray, int64[n_episodes]
+        What the dataset calls the episodes.
+    """
     rows = sorted(stills)
     if len(rows) < _MIN_EPISODES:
         return ""
     first = _spectrum(stills[rows[0]])
     found = [_shift(first, _spectrum(stills[row])) for row in rows]
-    shifts = np.array([shift for shift, _ in found], dtype=np.float64)  # (n, 2)
+    shifts = np.array([shift for shift, _ in found])  # (n, 2)
     if np.quantile([seen for _, seen in found], 0.1) < _SEEN:
         return ""
     for axis, (said, size) in enumerate((("height", 48), ("width", 64))):
         moved = shifts[:, axis]
         if abs(moved[-1]) >= _DRIFTS and abs(np.corrcoef(moved, np.arange(len(moved)))[0, 1]) >= _STEADILY:
             return f"what stands still moved by {abs(moved[-1]) / size:.0%} of the {said}, bit by bit"
-    return ""
+    after, down, right = _step(shifts)
+    if not after:
+        return ""
+    how = f"{abs(down) / 48:.1%} of the height and {abs(right) / 64:.1%} of the width"
+    return f"what stands still moved by {how} from episode {numbers[rows[after]]} on"
+
+
+def _step(shifts: Floats) -> tuple[int, float, float]:
+    """Find from which place on shifts (n, 2) are others, by how much in both: 0 where they stay, or come back.
+
+    Within a group they stay nearly where they are. In the episode between them it may have happened.
+
+    >>> _step(np.repeat([[0.0, 0], [0.9, -0.5]], [4, 3], axis=0))
+    (4, 0.9, -0.5)
+    >>> _step(np.array([[0.0, 0], [0.9, 0], [0, 0], [0.9, 0], [0, 0]]))[0]
+    0
+    """
+    n, between = len(shifts), int(np.hypot(*(np.diff(shifts, axis=0).T)).argmax()) + 1
+    for before, after in ((between, between), (between, between + 1), (between - 1, between)):
+        groups = shifts[:before], shifts[after:]
+        if min(before, n - after) < _AT_LEAST:
+            continue
+        one, other = (np.median(group, axis=0) for group in groups)
+        steady = max(float(np.abs(group - middle).max()) for group, middle in zip(groups, (one, other), strict=True))
+        if np.hypot(*(other - one)) >= max(_STEPS, _STANDS * steady):
+            down, right = (other - one).tolist()
+            return after, down, right
+    return 0, 0.0, 0.0
 
 
 def _spectrum(picture: Array) -> NDArray[np.complex128]:
@@ -215,14 +251,21 @@ def _spectrum(picture: Array) -> NDArray[np.complex128]:
     return spectrum
 
 
-def _shift(one: NDArray[np.complex128], other: NDArray[np.complex128]) -> tuple[tuple[int, int], float]:
+def _shift(one: NDArray[np.complex128], other: NDArray[np.complex128]) -> tuple[tuple[float, float], float]:
     """Return by how many rows and columns a picture is shifted against another, and how surely, from 0 to 1.
 
-    By phase correlation (Kuglin and Hines, 1975), which no exposure changes.
+    By phase correlation (Kuglin and Hines, 1975), which no exposure changes; the top of a parabola is between cells.
     """
     both = one.conj() * other
     fits = np.fft.irfft2(both / np.maximum(np.abs(both), _TINY))
     height, width = fits.shape
     row, column = divmod(int(fits.argmax()), width)
-    shift = (row + height // 2) % height - height // 2, (column + width // 2) % width - width // 2
-    return shift, float(fits.max())
+    down = row + _top(fits[[row - 1, row, (row + 1) % height], column])
+    right = column + _top(fits[row, [column - 1, column, (column + 1) % width]])
+    return ((down + height / 2) % height - height / 2, (right + width / 2) % width - width / 2), float(fits.max())
+
+
+def _top(fits: Floats) -> float:
+    """Return where a parabola through three values, the middle one the largest, is highest: from -0.5 to 0.5."""
+    before, here, after = fits.tolist()
+    return float(0.5 * (before - after) / min(before - 2 * here + after, -_TINY))

@@ -35,7 +35,6 @@ _LEFT = 0.8  # of what is not foretold: what a delay of its own leaves of it, at
 _MANY, _AGREE = 0.3, 0.6  # of the episodes: what so many have is usual; and what so many have between them is known
 _SAME = 0.2  # of how far pictures are from their mean: what is left of those that are the same
 _LESS, _BETTER, _AS_WELL = 0.2, 0.3, 0.15  # of correlation: below what is usual; by so much better; about as well
-_ELSEWHERE = 1.5  # times as far from where all others have been as is usual: there nothing can be foretold
 _SOMETHING_ELSE = "pictures of something else"
 _FAR_LESS, _SPREADS = 0.35, 7  # below what is usual, in correlation and in spreads of it: nobody need know why
 _NEIGHBOURS = {1: "the next episode", -1: "the episode before"}
@@ -159,8 +158,9 @@ def _odd(learned: _Learned, number: int, usual: int, share: Floats, typical: flo
     """Say what is odd about the pictures of an episode; empty where nothing is."""
     curve = learned.curves[number]
     own, best = _around(curve, usual), int(curve.argmax())
-    is_better = 1 - curve[best] ** 2 <= _LEFT * (1 - own**2) and curve[best] >= max(_SURELY, own + _GAIN)
-    is_late = is_better and abs(_DELAYS[best] - _DELAYS[usual]) > _OF_ONE
+    is_late = abs(_DELAYS[best] - _DELAYS[usual]) > _OF_ONE and _is_better(curve[best], own)
+    in_half = _fit_of_half(learned, number, usual) if is_late or own < _FITS_NOT else own
+    is_late = is_late and _is_better(curve[best], in_half)
     if is_late and share[usual] + share[best] >= _AGREE:  # else each has a delay of its own, and none means anything
         return _later(curve, usual, best)
     if own >= typical - _LESS:
@@ -170,23 +170,36 @@ def _odd(learned: _Learned, number: int, usual: int, share: Floats, typical: flo
         return (
             f"the pictures of episode {other}: a correlation of {better:.2f} with its robot, and of {own:.2f} with this"
         )
-    nothing = own < min(_FITS_NOT, typical - max(_FAR_LESS, _SPREADS * spread))
+    less = _FAR_LESS * (1 + _leverage(learned, number)) if own < _FITS_NOT else np.inf
+    nothing = own < typical - max(less, _SPREADS * spread) and in_half < typical - less
     said = f"a correlation of {own:.2f} with where the robot is, where {typical:.2f} is usual"
-    return f"{_SOMETHING_ELSE}: {said}" if nothing and not _is_elsewhere(learned, number) else ""
+    return f"{_SOMETHING_ELSE}: {said}" if nothing else ""
 
 
-def _is_elsewhere(learned: _Learned, number: int) -> bool:
-    """Tell whether the robot goes where it never is in the episodes that were learned from."""
-    apart = [_far_from_others(learned, each) for each in learned.sums]
-    return _far_from_others(learned, number) >= _ELSEWHERE * float(np.median(apart))
+def _is_better(fits: float, own: float) -> bool:
+    return 1 - fits**2 <= _LEFT * (1 - own**2) and fits >= max(_SURELY, own + _GAIN)
 
 
-def _far_from_others(learned: _Learned, number: int) -> float:
-    """Return how far the robot is on average from the nearest place where it is in another episode, in spreads."""
-    own = _components(learned.takes[number], learned.axes)[:, None]
-    others = [_components(learned.takes[other], learned.axes) for other in learned.sums if other != number]
-    nearest = np.min([np.square(own - other).sum(axis=-1).min(axis=1) for other in others], axis=0)
-    return float(np.sqrt(nearest).mean())
+def _fit_of_half(learned: _Learned, number: int, delay: int) -> float:
+    """Return the correlation of that half of an episode that fits better: what is odd is so from beginning to end.
+
+    Where the robot is in one place that it never is in else, that half may fit nothing, and turn the mean of the other.
+    """
+    take, half = learned.takes[number], len(learned.takes[number].at) // 2
+    halves = (
+        take._replace(pictures=take.pictures[some], at=take.at[some]) for some in (slice(half), slice(half, None))
+    )
+    ready = [_ready(each, learned.axes, _DELAYS[delay : delay + 1], least=2) for each in halves]
+    weights = _weights(learned.sums, number)
+    return max(float(_curve(each, weights)[0]) for each in ready)
+
+
+def _leverage(learned: _Learned, number: int) -> float:
+    """Return how far its places are from those of the others: by so much more is foretold wrongly, as a variance."""
+    terms = _terms(_components(learned.takes[number], learned.axes))
+    around = terms - terms.mean(axis=0)
+    known = np.sum([sums.terms for other, sums in learned.sums.items() if other != number], axis=0)
+    return float((around * np.linalg.solve(known + _RIDGE * np.eye(len(known)), around.T).T).sum() / len(terms))
 
 
 def _belong_there(learned: _Learned, number: int, other: int, usual: int) -> bool:
@@ -282,11 +295,11 @@ def _components(take: Take, axes: _Axes) -> Floats:
     return components
 
 
-def _ready(take: Take, axes: _Axes, delays: Floats = _DELAYS) -> _Ready:
+def _ready(take: Take, axes: _Axes, delays: Floats = _DELAYS, least: int = _MIN_PICTURES) -> _Ready:
     components = _components(take, axes)
     times = take.at - delays[:, None]  # (n_delays, n_pictures)
     known = (times >= take.when[0] - _RESTS) & (times <= take.when[-1] + _RESTS)
-    known &= known.sum(axis=1, keepdims=True) >= _MIN_PICTURES
+    known &= known.sum(axis=1, keepdims=True) >= least
     return _Ready(_around_mean(_terms(_at(take.when, components, times)), known), _around_mean(take.pictures, known))
 
 
