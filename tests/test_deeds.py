@@ -180,6 +180,21 @@ def test_a_reward_before_anything_was_done_is_named(reward, said, episodes, tmp_
     )
 
 
+@pytest.mark.parametrize(
+    ("change", "named"), [(lambda asked: asked[:, ::-1], True), (np.negative, False)], ids=["exchanged", "inverted"]
+)
+def test_two_joints_that_go_against_each_other_are_exchanged_where_each_follows_the_other(change, named, tmp_path):
+    recording, rng = make("so101", 0), np.random.default_rng(0)
+    for own in recording.episodes:
+        lift, elbow = 1, 2
+        for name in (STATE, ACTION):
+            own[name][:, elbow] = -own[name][:, lift] + 0.2 * own[name][:, 0]
+        own[STATE][:, [lift, elbow]] += rng.normal(0, 0.1, (len(own[STATE]), 2))
+        own[ACTION][:, [lift, elbow]] = change(own[ACTION][:, [lift, elbow]])
+    said = [each for each in found(recording, tmp_path / "dataset", "joint-order") if "and the reverse" in each.found]
+    assert [POS[1] in each.field and POS[2] in each.found for each in said] == [True] * named
+
+
 def end_half_way(recording: Recording, *episodes: int) -> Recording:
     for episode in episodes:
         for name in (STATE, ACTION):

@@ -384,31 +384,36 @@ def commands_drive_their_own_joint(joints: Joints) -> Iterator[Answer]:
 @ORDER.of(Joints)
 def no_two_commands_are_always_exchanged(joints: Joints) -> Iterator[Answer]:
     """Do two columns follow each other's commands in all episodes together, as grippers do that hold something?"""
-    explained = _explained_at_moments(joints)
+    explained, signs = _explained_at_moments(joints)
     own = np.diag(explained)
+    follows = own * (np.diag(signs) > 0)  # of two that go against each other, each seems to go against its command
     for one, other in combinations(range(len(own)), 2):
+        both = [one, other]
         crosswise = min(explained[one, other], explained[other, one])
-        if crosswise < _CROSSWISE or own[[one, other]].max() > _OWN or joints.exchanged[:, [one, other]].any():
+        if crosswise < max(_CROSSWISE, own[both].max()) or follows[both].max() > _OWN:
+            continue
+        if joints.exchanged[:, both].any():
             continue
         found = f"what {joints.pairs[other].name} does ({explained[one, other]:.0%} explained), and the reverse"
-        expected = f"what {joints.pairs[one].name} does ({own[one]:.0%})"
+        expected = f"what {joints.pairs[one].name} does ({follows[one]:.0%})"
         mend = "Are the two exchanged in the state or in the action, in all episodes?"
         yield Fault(DATA_DIR, joints.pairs[one].command, found, expected, mend)
 
 
-def _explained_at_moments(joints: Joints) -> Floats:
-    """Return how much of each command each column explains at some moments of all runs, as they are: (n, n)."""
+def _explained_at_moments(joints: Joints) -> tuple[Floats, Floats]:
+    """Return how much of each command each column explains at some moments of all runs, and which way: both (n, n)."""
     at = {name: joints.moved.moments_of(name)[:, :, 0] for name in (ACTION, *(pair.feature for pair in joints.pairs))}
     asked = [at[ACTION][:, :, pair.dim].ravel() for pair in joints.pairs]
     both = np.stack([*asked, *(at[pair.feature][:, :, pair.column].ravel() for pair in joints.pairs)])
     both = both[:, np.isfinite(both).all(axis=0)].astype(np.float64)
     if not both.size:
-        return np.zeros((len(asked), len(asked)))
+        return np.zeros((len(asked), len(asked))), np.zeros((len(asked), len(asked)))
     both -= both.mean(axis=1, keepdims=True)
     sizes = np.square(both).sum(axis=1)
-    products = np.square(both @ both.T)
-    share: Floats = np.divide(products, np.outer(sizes, sizes), out=np.zeros_like(products), where=products > 0)
-    return share[: len(asked), len(asked) :]
+    products = (both @ both.T)[: len(asked), len(asked) :]
+    whole = np.outer(sizes[: len(asked)], sizes[len(asked) :])
+    share = np.divide(np.square(products), whole, out=np.zeros_like(products), where=products != 0)
+    return share, np.sign(products)
 
 
 @UNIT.of(Joints)
