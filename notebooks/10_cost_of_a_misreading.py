@@ -526,13 +526,13 @@ practice.check_interval(my_interval)
 # %%
 audit = z2r.audit(z2r.ARM)
 for each in audit.findings:
-    print(f"{each.severity} [{each.check}] found {each.found}")
+    print(f"{each.severity} [{each.check}] {each.field}: found {each.found}")
 print("exit code", audit.exit_code)
 
 # %% [markdown]
-# Exit code 0: no error, and no warning. The note matters now. ACT, the policy that most people begin with, plans 100
-# frames at once, and one episode is shorter than that. So let it plan fewer. This is all of it, in a terminal, with
-# the commands of `z2r` and of LeRobot. Put the folder of your dataset in place of `my_dataset`:
+# Exit code 0, but both notes matter now. In two episodes the gripper loses what it holds: replay them before a policy
+# learns from them. ACT, the policy that most people begin with, plans 100 frames at once, and one episode is shorter:
+# so let it plan fewer. This is all of it, in a terminal. Put the folder of your dataset in place of `my_dataset`:
 #
 # ```bash
 # z2r audit my_dataset --pictures --keep good.json &&
