@@ -52,18 +52,17 @@ def test_velocities_that_are_exchanged_are_named_by_the_column_that_moves_so(tmp
 
 @pytest.mark.parametrize(("factor", "says"), [(100, "percent"), (180 / np.pi, "degrees"), (1000, "mm")])
 @pytest.mark.parametrize("episodes", [[2], [1, 3, 4]])
-def test_another_unit_in_some_episodes_is_named_though_the_command_has_it_too(factor, says, episodes, tmp_path):
+@pytest.mark.parametrize("times", ["as much", "less"])
+def test_another_unit_in_some_episodes_is_named_though_the_command_has_it_too(factor, says, episodes, times, tmp_path):
     recording = make("so101", 0)
-    for number in episodes:
+    for number, own in enumerate(recording.episodes):
         for name in (STATE, ACTION):
-            recording.episodes[number][name][:, 1] /= factor
-    said = found(recording, tmp_path / "dataset", "unit")
-    mine = [finding for finding in said if f"{factor:.4g} times as much" in finding.expected]
-    assert {finding.field.split("[")[0] for finding in mine} == {STATE, ACTION}
-    for finding in mine:
-        assert finding.episodes == tuple(episodes)
-        assert "[shoulder_lift.pos]" in finding.field
-        assert says in finding.mend
+            own[name][:, 1] /= factor if (number in episodes) == (times == "as much") else 1
+    [finding] = [each for each in found(recording, tmp_path / "dataset", "unit") if "in the others" in each.expected]
+    assert f"{factor:.4g} times {times}" in finding.expected
+    assert finding.field.startswith(f"{STATE}[{POS[1]}], {ACTION}[{POS[1]}] in episode")
+    assert finding.episodes == tuple(episodes)
+    assert says in finding.mend
 
 
 def test_one_short_episode_hides_no_unit(tmp_path):

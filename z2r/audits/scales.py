@@ -9,7 +9,7 @@ from z2r.audits.frames import FileFrames
 from z2r.audits.joints import UNIT
 from z2r.audits.runs import Runs
 from z2r.check import Answer, Check
-from z2r.errors import Fault, count
+from z2r.errors import Fault, count, some
 from z2r.format.episodes import DATA_DIR
 from z2r.format.rules import Rows, episodes_of
 from z2r.format.schema import ACTION, STATE, column_label
@@ -34,19 +34,30 @@ def episodes_have_one_unit(runs: Runs) -> Iterator[Answer]:
     long = runs.n_frames >= _MIN_FRAMES
     if long.sum() < _MIN_EPISODES:
         return
+    alike: dict[tuple[bytes, float], list[tuple[str, float, float]]] = {}
     for name in (each for each in (STATE, ACTION) if each in runs.steps and each in runs.stats):
-        span, path = runs.stats[name].high - runs.stats[name].low, runs.steps[name].path
-        for column in range(span.shape[1]):
-            small = np.zeros(len(long), dtype=bool)
+        feature, path = runs.claims.schema.features[name], runs.steps[name].path
+        span = runs.stats[name].high - runs.stats[name].low
+        for column in range(feature.size):
+            small, factor = np.zeros(len(long), dtype=bool), 0.0
             small[long], factor = _in_a_smaller_unit(span[long, column], path[long, column])
             if small.any():
-                number = runs.number[small].tolist()
-                place = f"{column_label(name, runs.claims.schema.features[name], column)} in {episodes_named(number)}"
-                found = f"a range of {np.median(span[small, column]):.3g}"
-                usual = np.median(span[long & ~small, column])
-                expected = f"about {usual:.3g}, {factor:.4g} times as much, as in the others"
-                mend = f"Are these {_FACTORS[factor]}? Multiply or divide one of the two"
-                yield Fault(DATA_DIR, place, found, expected, mend, tuple(dict.fromkeys(number)))
+                odd = _fewer(small, long & ~small)
+                here, there = (float(np.median(span[each, column])) for each in (odd, long & ~odd))
+                alike.setdefault((odd.tobytes(), factor), []).append((column_label(name, feature, column), here, there))
+    for (some_runs, factor), columns in alike.items():
+        number = runs.number[np.frombuffer(some_runs, dtype=bool)].tolist()
+        labels, (_, here, there) = [label for label, *_ in columns], columns[0]
+        found = f"a range of {here:.3g}{' of the first' if len(labels) > 1 else ''}"
+        expected = f"about {there:.3g}, {factor:.4g} times {'as much' if here < there else 'less'}, as in the others"
+        mend = f"Are these {_FACTORS[factor]}? Multiply or divide one of the two"
+        place = f"{some(labels)} in {episodes_named(number)}"
+        yield Fault(DATA_DIR, place, found, expected, mend, tuple(dict.fromkeys(number)))
+
+
+def _fewer(some_runs: Bools, others: Bools) -> Bools:
+    """Return those runs of two kinds that are fewer; of two that are as many, those that the first is not among."""
+    return min(some_runs, others, key=lambda each: (each.sum(), each[np.argmax(some_runs | others)]))
 
 
 def _in_a_smaller_unit(span: Floats, path: Floats) -> tuple[Bools, float]:
@@ -79,11 +90,13 @@ def accelerations_have_one_unit(runs: Runs) -> Iterator[Answer]:
             small = long & (mean * np.sqrt(_G) < mean.max())
             off = mean * np.where(small, _G, 1) / np.median(mean[long & ~small])
             if small.any() and (np.abs(off[long] - 1) <= _OFF).all():
-                number = runs.number[small].tolist()
+                odd = _fewer(small, long & ~small)
+                here, there = (float(np.median(stats.mean[each, column])) for each in (odd, long & ~odd))
+                number = runs.number[odd].tolist()
                 place = f"{column_label(name, runs.claims.schema.features[name], column)} in {episodes_named(number)}"
-                found = f"{np.median(stats.mean[small, column]):.3g} on average"
-                usual = np.median(stats.mean[long & ~small, column])
-                expected = f"about {usual:.3g}, {_G:.3g} times as much, as in the others"
+                found = f"{here:.3g} on average"
+                times = "as much" if abs(here) < abs(there) else "less"
+                expected = f"about {there:.3g}, {_G:.3g} times {times}, as in the others"
                 mend = "Are these g and m/s2? Multiply or divide one of the two, and the other axes as well"
                 yield Fault(DATA_DIR, place, found, expected, mend, tuple(dict.fromkeys(number)))
 
