@@ -508,6 +508,7 @@ def test_every_check_is_made_to_fail_by_some_damage():
         "task-motion",
         "grasp",
         "long-episode",
+        "left-right",
         "label-moment",
         "resolution",
         "two-kinds",

@@ -4,6 +4,7 @@ The text of a task, a success and a reward are only said; what the robot does is
 episodes, nobody knows which of them is right: so all of this is a note.
 """
 
+import re
 from collections.abc import Iterator
 from itertools import permutations
 from typing import NamedTuple
@@ -40,6 +41,8 @@ _MANY = 0.3  # of the episodes: the others need not be the right ones
 
 _ENOUGH, _TWO = 5, 1.5  # episodes; and times as much as usual: those that tried twice came to 1.3
 _CLEAR = 1.15  # times as much as the most of the others
+
+_SIDES = {"left": "right", "right": "left"}
 
 _CLEARLY = 2.5  # times as far as those that hold nothing
 _STANDS = 0.02  # of a gripper's range, in two frames
@@ -136,6 +139,42 @@ def episodes_are_one_demonstration(runs: Runs) -> Iterator[Answer]:
         mend = "Was the reset recorded too, a second try, or the next demonstration? Cut it there, or leave it out"
         named = episodes_named(number)
         yield Fault(DATA_DIR, named, found, "about as long a way as in the other episodes", mend, tuple(number))
+
+
+@Check("left-right", "left and right are the same two in all episodes", "note").of(Runs)
+def left_stays_left(runs: Runs) -> Iterator[Answer]:
+    """Does an episode go as the others do once the columns that are called left and right are exchanged?"""
+    states, other = runs.moments_of(STATE)[:, :, 0].astype(np.float64), _other_side(runs)
+    mine = np.flatnonzero(other >= 0)
+    if not np.isfinite(states).any() or not len(mine):
+        return
+    spans = np.maximum(runs.spans(STATE)[mine], runs.spans(STATE)[other[mine]])
+    middle = np.nanmedian(states[:, :, mine], axis=0)  # (n_moments, n)
+    far, exchanged = (
+        np.sqrt(np.square((states[:, :, each] - middle) / np.where(spans > 0, spans, 1)).mean(axis=(1, 2)))
+        for each in (mine, other[mine])
+    )
+    wrong: Bools = (exchanged <= far / 2) & (far >= 2 * np.nanmedian(far))
+    if wrong.any() and wrong.mean() <= _FEW and share_a_task(runs, wrong):
+        number = runs.number[wrong].tolist()
+        found = f"motion that is {far[wrong].max():.2f} of its range from that of the others"
+        found += f", and {exchanged[wrong].max():.2f} once left and right are exchanged"
+        mend = (
+            "Are the columns of the two arms exchanged there, or was it done with the other hand? Look at the pictures"
+        )
+        place = f"{STATE} in {episodes_named(number)}"
+        yield Fault(DATA_DIR, place, found, "about that of the other episodes", mend, tuple(number))
+
+
+def _other_side(runs: Runs) -> Ints:
+    """Return for each column of the state the one of the other side, by their names; -1 where there is none."""
+    labels = list(runs.claims.schema.features[STATE].labels) if STATE in runs.stats else []
+    swapped = [re.sub("left|right", lambda side: _SIDES[side[0]], label) for label in labels]
+    sides = [
+        labels.index(there) if there != label and there in labels else -1
+        for label, there in zip(labels, swapped, strict=True)
+    ]
+    return np.array(sides, dtype=np.int64)
 
 
 GRASP = Check("grasp", "a gripper holds what it holds in the other episodes, until it is told to open", "note")
