@@ -63,6 +63,7 @@ from z2r.format.schema import ACTION, MAX_SIGNAL_SIZE, STATE, Schema, column_lab
 from z2r.format.tables import DataColumns, read_data_blocks, read_data_file, read_data_footer
 from z2r.reading.breaks import BreakMode
 from z2r.reading.decode import Decoded, can_decode, decode
+from z2r.reading.joints import is_gripper
 from z2r.reading.reading import Reading
 from z2r.reading.scene import Scene, SceneSums
 from z2r.reading.stored import label_in
@@ -596,7 +597,7 @@ def _motion_not_checked(claims: Claims, sums: Sequence[FileSums]) -> Iterator[st
         yield f"near copies of a demonstration: there are more than {motion.MAX_COMPARED:,} episodes"
     kept = [part.moments for part in sums if part.n_rows]
     if why := relations.not_related(claims.schema, len(claims.table.number), kept):
-        told_too = "how finely it is stored, what a gripper holds, and whether an episode goes as its task"
+        told_too = "how finely it is stored, whether an episode goes as its task, and left stays left"
         yield f"whether each column goes with the others, {told_too}: {why}"
 
 
@@ -604,7 +605,11 @@ def _kinds_not_checked(claims: Claims) -> Iterator[str]:
     """Say what is not told of so few episodes, where there is something to tell."""
     others = [name for name in claims.schema.signals() if name not in (STATE, ACTION)]
     label = deeds.label_of(claims.schema)
+    states = claims.schema.signals().get(STATE)
+    grips = [name for name in (states.labels if states else ()) if is_gripper(name)]
     asked = (
+        (states, deeds.ENOUGH, "whether each episode is one demonstration"),
+        (grips, deeds.MIN_EPISODES, "what a gripper holds"),
         (others, kinds.MIN_EPISODES, f"whether {some(others)} means the same in all episodes"),
         (label, deeds.MIN_EPISODES, f"whether {label} comes where it does in the other episodes"),
     )

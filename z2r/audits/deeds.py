@@ -39,7 +39,7 @@ _BEYOND, _SURELY = 1.5, 5  # times as far as the others are from each other, of 
 _SHARE = 0.15  # of a column's range
 _MANY = 0.3  # of the episodes: the others need not be the right ones
 
-_ENOUGH, _TWO = 5, 1.5  # episodes; and times as much as usual: those that tried twice came to 1.3
+ENOUGH, _TWO = 5, 1.5  # episodes; and times as much as usual: those that tried twice came to 1.3
 _CLEAR = 1.15  # times as much as the most of the others
 
 _SIDES = {"left": "right", "right": "left"}
@@ -121,7 +121,7 @@ def _to_the_nearest(states: Floats, row: int, others: Ints) -> float:
 @Check("long-episode", "an episode is one demonstration, and no more", "note").of(Runs)
 def episodes_are_one_demonstration(runs: Runs) -> Iterator[Answer]:
     """Does an episode go on for much longer, and much farther, than the others? Who is only slow goes no farther."""
-    if STATE not in runs.steps or len(runs.number) < _ENOUGH:
+    if STATE not in runs.steps or len(runs.number) < ENOUGH:
         return
     path = runs.steps[STATE].path
     usual = np.median(path, axis=0)
