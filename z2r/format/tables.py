@@ -376,11 +376,13 @@ def read_data_blocks(root: Path, schema: Schema, path: Path, least: int) -> Iter
         opened = open_parquet(whole)
         large = _too_large(schema, path, opened)
         seen: list[DataColumns] = []
-        blocks = _of_whole_episodes(_until_broken(_blocks(opened, whole, schema, path, large), seen), least)
+        n_rows = opened.metadata.num_rows
+        blocks = _of_whole_episodes(_until_broken(_blocks(opened, whole, schema, path, large), seen), least, n_rows)
         yield from (_also_misshapen(block, large) for block in blocks)
         found = _join_blocks(seen)
         if len(seen) > 1 and found.broken:
-            blocks = _of_whole_episodes(_blocks(opened, whole, schema, path, found.broken | large.keys()), least)
+            again = _blocks(opened, whole, schema, path, found.broken | large.keys())
+            blocks = _of_whole_episodes(again, least, n_rows)
             yield from (_also_misshapen(_saying_of(found, each), large) for each in blocks)
     except DatasetError as error:
         yield _unreadable(root, error)
@@ -422,11 +424,12 @@ def _until_broken(blocks: Iterator[DataColumns], seen: list[DataColumns]) -> Ite
             yield block
 
 
-def _of_whole_episodes(blocks: Iterator[DataColumns], least: int) -> Iterator[DataColumns]:
-    """Cut blocks anew, where an episode begins; what comes after waits for the rest of it."""
+def _of_whole_episodes(blocks: Iterator[DataColumns], least: int, n_rows: int) -> Iterator[DataColumns]:
+    """Cut blocks of a file of so many rows anew, where an episode begins; what comes after waits for the rest of it."""
     waiting: list[DataColumns] = []
     for block in blocks:
-        rest, cut = block, _last_beginning(waiting, block)
+        is_last = block.first + (block.n_rows or 0) == n_rows
+        rest, cut = block, None if is_last else _last_beginning(waiting, block)
         if cut is not None and block.first + cut >= least:
             yield _join_blocks([*waiting, block.part(0, cut)])
             waiting, rest = [], block.part(cut, block.n_rows or 0)
