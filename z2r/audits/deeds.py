@@ -56,7 +56,7 @@ _LATER = 3  # moments of an episode in which it stands: a hand or two may be in 
 def episodes_do_their_own_task(runs: Runs) -> Iterator[Answer]:
     """Does an episode go as those of another task, where the two go different ways? It may have the other's text."""
     tasks, states, task = runs.claims.stored.tasks.value, runs.moments_of(STATE)[:, :, 0], _only_tasks(runs)
-    if tasks is None or not states.size:
+    if tasks is None or len(tasks.number) < 2 or not states.size:
         return
     task[~np.isfinite(states).all(axis=(1, 2))] = -1
     text = dict(zip(tasks.number.tolist(), tasks.text, strict=True))
@@ -144,10 +144,11 @@ def episodes_are_one_demonstration(runs: Runs) -> Iterator[Answer]:
 @Check("left-right", "left and right are the same two in all episodes", "note").of(Runs)
 def left_stays_left(runs: Runs) -> Iterator[Answer]:
     """Does an episode go as the others do once the columns that are called left and right are exchanged?"""
-    states, other = runs.moments_of(STATE)[:, :, 0].astype(np.float64), _other_side(runs)
+    states, other = runs.moments_of(STATE)[:, :, 0], _other_side(runs)
     mine = np.flatnonzero(other >= 0)
-    if not np.isfinite(states).any() or not len(mine):
+    if not len(mine) or not np.isfinite(states).any():
         return
+    states = states.astype(np.float64)
     spans = np.maximum(runs.spans(STATE)[mine], runs.spans(STATE)[other[mine]])
     middle = np.nanmedian(states[:, :, mine], axis=0)  # (n_moments, n)
     far, exchanged = (
@@ -214,16 +215,16 @@ class _Grip(NamedTuple):
 def _grips(runs: Runs) -> Iterator[_Grip]:
     """Yield the grippers that have a command of their own, and hold something in at least half of the episodes."""
     labels = {name: runs.claims.schema.features[name].labels for name in (STATE, ACTION) if name in runs.stats}
-    seen, asked = (runs.moments_of(name).astype(np.float64) for name in (STATE, ACTION))
+    seen, asked = (runs.moments_of(name) for name in (STATE, ACTION))
     if len(labels) < 2 or not seen.size or len(runs.number) < MIN_EPISODES:
         return
     for column, name in enumerate(labels[STATE]):
         if not is_gripper(name) or labels[ACTION].count(name) != 1:
             continue
         span = float(runs.spans(STATE)[column])
-        stands = np.abs(seen[:, :, 1, column]) <= _STANDS * span
-        command = asked[:, :, 0, labels[ACTION].index(name)]
-        place = seen[:, :, 0, column]
+        stands = np.abs(seen[:, :, 1, column].astype(np.float64)) <= _STANDS * span
+        command = asked[:, :, 0, labels[ACTION].index(name)].astype(np.float64)
+        place = seen[:, :, 0, column].astype(np.float64)
         beside = np.where(stands, np.abs(command - place), 0)
         held = np.sort(beside, axis=1)[:, -_LATER]
         usual = float(np.quantile(held, _MOST))

@@ -403,8 +403,8 @@ def no_two_commands_are_always_exchanged(joints: Joints) -> Iterator[Answer]:
 def _explained_at_moments(joints: Joints) -> tuple[Floats, Floats]:
     """Return how much of each command each column explains at some moments of all runs, and which way: both (n, n)."""
     at = {name: joints.moved.moments_of(name)[:, :, 0] for name in (ACTION, *(pair.feature for pair in joints.pairs))}
-    asked = [at[ACTION][:, :, pair.dim].ravel() for pair in joints.pairs]
-    both = np.stack([*asked, *(at[pair.feature][:, :, pair.column].ravel() for pair in joints.pairs)])
+    asked = [at[ACTION][:, :, pair.dim].T.ravel() for pair in joints.pairs]
+    both = np.stack([*asked, *(at[pair.feature][:, :, pair.column].T.ravel() for pair in joints.pairs)])
     both = both[:, np.isfinite(both).all(axis=0)].astype(np.float64)
     if not both.size:
         return np.zeros((len(asked), len(asked))), np.zeros((len(asked), len(asked)))

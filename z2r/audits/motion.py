@@ -5,8 +5,9 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from z2r.arrays import Bools, Floats, Ints
+from z2r.arrays import Array, Bools, Floats, Ints
 from z2r.audits.following import MIN_FRAMES
 from z2r.audits.runs import Runs
 from z2r.audits.steps import NO_SKETCH, is_a_turn
@@ -250,12 +251,16 @@ def nothing_is_rounded(runs: Runs) -> Iterator[Answer]:
     """Is all of a state or an action whole numbers, or multiples of a coarse step? In some episodes, or in all."""
     for name in (each for each in (STATE, ACTION) if each in runs.steps):
         span, feature = runs.spans(name), runs.claims.schema.features[name]
-        values = runs.moments_of(name)[:, :, 0].astype(np.float64)
-        if not values.size or not feature.dtype.startswith("float"):
+        moments = runs.moments_of(name)[:, :, 0]
+        if not moments.size or not feature.dtype.startswith("float"):
             continue
         moves = (span > _STEPS) & (span < _TICKS)  # fewer are switches, and more are what an encoder counts
-        whole: Bools = (values == np.round(values))[:, :, moves].all(axis=(1, 2)) & (moves.sum() > 1)
-        steps = _coarse_steps(values, span)  # (n_runs, size)
+        whole, steps = np.full(len(moments), moves.sum() > 1), np.zeros((len(moments), len(span)))
+        for column in np.flatnonzero(span).tolist():
+            values = moments[:, :, column].astype(np.float64)
+            steps[:, column] = _coarse_steps(values, span[column])
+            if moves[column]:
+                whole &= (values == np.round(values)).all(axis=1)
         coarse: Bools = (steps > 0).sum(axis=1) > 1
         if whole.any() and not (whole.all() and name == ACTION):  # keys, or a policy, may well give such commands
             found = f"whole numbers only in {count(int(moves.sum()), 'column')}, at all moments that were looked at"
@@ -277,23 +282,29 @@ def _rounded(runs: Runs, name: str, wrong: Bools, found: str, mend: str) -> Faul
     return _fault(runs, f"{name}{where}", wrong, found, expected, mend)
 
 
-def _coarse_steps(values: Floats, span: Floats) -> Floats:
-    """Find the step of which all values are multiples, (n_runs, n_moments, size): (n_runs, size); 0 where none is.
+def _coarse_steps(values: Floats, span: float) -> Floats:
+    """Find the step of which all values of a run are multiples, (n_runs, n_moments): (n_runs,); 0 where none is.
 
     Values of fewer than eight levels are a switch or keys; more than a hundred are fine enough.
 
     Examples
     --------
-    >>> values = np.arange(0, 40, 2.0)[None, :, None]
-    >>> _coarse_steps(values, np.array([40.0])).tolist(), _coarse_steps(values**1.1, np.array([40.0])).tolist()
-    ([[2.0]], [[0.0]])
+    >>> values = np.arange(0, 40, 2.0)[None]
+    >>> _coarse_steps(values, 40.0).tolist(), _coarse_steps(values**1.1, 40.0).tolist()
+    ([2.0], [0.0])
     """
-    gaps = np.diff(np.sort(values, axis=1), axis=1)
+    found = np.zeros(len(values))
+    # Two values nearer than a step, and not at one level, rule a step out: in most runs, neighbours do.
+    between = np.abs(values[:, 1:] - values[:, :-1])
+    fine = (between > values.shape[1] * _SAME_LEVEL * span) & (between * _LEVELS[1] < span)
+    run = np.flatnonzero(~fine.any(axis=1))
+    gaps = np.diff(np.sort(np.ascontiguousarray(values[run])))  # (n, n_moments - 1)
     apart = gaps > _SAME_LEVEL * span
-    steps = np.where(apart, gaps, np.inf).min(axis=1)
-    few = (apart.sum(axis=1) < _LEVELS[0] - 1) | (steps * _LEVELS[1] < span) | ~np.isfinite(steps)
-    times = values / np.where(few, 1, steps)[:, None]
-    found: Floats = np.where(few | (np.abs(times - np.round(times)).max(axis=1) > _OFF_LEVEL), 0, steps)
+    steps = gaps.min(axis=1, initial=np.inf, where=apart)
+    perhaps = (apart.sum(axis=1) >= _LEVELS[0] - 1) & (steps * _LEVELS[1] >= span)
+    run, steps = run[perhaps], steps[perhaps]
+    times = values[run] / steps[:, None]
+    found[run] = np.where(np.abs(times - np.round(times)).max(axis=1) > _OFF_LEVEL, 0, steps)
     return found
 
 
@@ -321,11 +332,11 @@ def episodes_begin_at_one_place(runs: Runs) -> Iterator[Answer]:
     if STATE not in runs.steps or len(runs.number) < _HOMES:
         return
     size = runs.claims.schema.features[STATE].size
-    first = _marks(runs, size)[:, 0]  # (n_runs, size)
+    first = _marks(runs, size)[:, 0].astype(np.float64)  # (n_runs, size)
     turns = [column for turn in quaternions(runs.claims.schema.features[STATE]) for column in turn]
     first[:, turns] = np.abs(first[:, turns])  # q and -q are one turn
-    moments = runs.moments_of(STATE).astype(np.float64)
-    last = moments[:, -1, 0] if moments.size else np.full_like(first, np.nan)
+    moments = runs.moments_of(STATE)
+    last = moments[:, -1, 0].astype(np.float64) if moments.size else np.full_like(first, np.nan)
     ranges, step = runs.spans(STATE), np.quantile(runs.stats[STATE].step, 0.9, axis=0)
     for column in np.flatnonzero(often_moves(runs, STATE)).tolist():
         few, gap, spread = parted(first[:, column])
@@ -367,9 +378,9 @@ def episodes_are_not_shifted(runs: Runs) -> Iterator[Answer]:
     if STATE not in runs.steps or len(runs.number) < _HOMES:
         return
     stats, size = runs.stats[STATE], runs.claims.schema.features[STATE].size
-    ranges = runs.spans(STATE)
+    ranges, first = runs.spans(STATE), _marks(runs, size)[:, 0].astype(np.float64)
     for column in np.flatnonzero(often_moves(runs, STATE)).tolist():
-        seen = np.stack([_marks(runs, size)[:, 0, column], stats.low[:, column], stats.high[:, column]])  # (3, n_runs)
+        seen = np.stack([first[:, column], stats.low[:, column], stats.high[:, column]])  # (3, n_runs)
         wrong = np.isin(np.arange(len(runs.number)), parted(seen[1])[0])
         by = float(np.median(seen[1, wrong]) - np.median(seen[1, ~wrong]))
         below, above = (seen[:, wrong], seen[:, ~wrong]) if by < 0 else (seen[:, ~wrong], seen[:, wrong])
@@ -397,13 +408,13 @@ def no_near_twins(runs: Runs) -> Iterator[Answer]:
         yield Fault(DATA_DIR, f"episode {runs.number[run]}", found, "frames of its own", _COUNTS_TWICE, named)
     if STATE in runs.steps and 3 <= len(runs.number) <= MAX_COMPARED:
         marks = _marks(runs, runs.claims.schema.features[STATE].size)
-        for at_their_own_speed, each in ((False, marks), (True, runs.moments_of(STATE)[:, ::3, 0].astype(np.float64))):
+        for at_their_own_speed, each in ((False, marks), (True, runs.moments_of(STATE)[:, ::3, 0])):
             for fault in _nearly_again(runs, each, copied, at_their_own_speed):
                 copied = copied | np.isin(runs.number, fault.episodes)
                 yield fault
 
 
-def _nearly_again(runs: Runs, marks: Floats, said: Bools, at_their_own_speed: bool) -> Iterator[Fault]:
+def _nearly_again(runs: Runs, marks: Array, said: Bools, at_their_own_speed: bool) -> Iterator[Fault]:
     """Find runs that go nearly as an earlier one does: frame for frame, or however long each is; some were said."""
     distance, neighbour = _nearest(marks)
     known = np.isfinite(distance)
@@ -440,32 +451,33 @@ def _shared(runs: Runs) -> tuple[Floats, Ints, Bools]:
     return shared, first, (n >= MIN_FRAMES) & (shared >= _SHARED) & ((shared < 1) | (n != n[first]))
 
 
-def _marks(runs: Runs, size: int) -> Floats:
-    """Return some frames of the state of each run, float64[n_runs, n_marks, size]; the first of them is its first."""
+def _marks(runs: Runs, size: int) -> Array:
+    """Return some frames of the state of each run, (n_runs, n_marks, size); the first of them is its first."""
     marks = runs.steps[STATE].marks
-    return np.empty((0, 0, size)) if marks is None else marks.astype(np.float64).reshape(len(marks), -1, size)
+    return np.empty((0, 0, size)) if marks is None else marks.reshape(len(marks), -1, size)
 
 
-def _nearest(marks: Floats) -> tuple[Floats, Ints]:
+def _nearest(marks: Array) -> tuple[Floats, Ints]:
     """Return how far each demonstration is from the nearest other one, in spreads of its columns, and which that is.
 
-    `marks` are some frames of each, float64[n_runs, n_marks, size].
+    `marks` are some frames of each, (n_runs, n_marks, size).
     """
-    size = marks.shape[2]
-    flat = marks.reshape(-1, size)
-    n = np.maximum(np.isfinite(flat).sum(axis=0), 1)
-    mean = np.nansum(flat, axis=0) / n
-    spread = np.sqrt(np.nansum(np.square(flat - mean), axis=0) / n)
-    marks = ((marks - mean) / np.where(spread > 0, spread, 1))[:, :, spread > 0].astype(np.float32)
-    if not marks.size:
-        return np.full(len(marks), np.nan), np.zeros(len(marks), dtype=np.int64)
-    order = np.argsort(np.nansum(marks[:, : marks.shape[1] // 2], axis=(1, 2)), kind="stable")
-    marks = np.ascontiguousarray(marks[order].transpose(1, 2, 0))  # (n_marks, size, n): numpy adds long rows up faster
-    moves = (np.abs(np.diff(marks, axis=0)) > _MOVED).sum(axis=(0, 1))
-    distance, neighbour = np.full(len(order), np.inf), np.zeros(len(order), dtype=np.int64)
-    for ahead in range(1, min(_NEIGHBOURS, len(order) - 1) + 1):
+    n, n_marks, size = marks.shape
+    room: NDArray[np.float32] = np.empty((n_marks, size, n), np.float32)  # numpy adds long rows up faster
+    n_columns = 0
+    for column in _in_spreads(marks):
+        room[:, n_columns] = column
+        n_columns += 1
+    if not n_columns:
+        return np.full(n, np.nan), np.zeros(n, dtype=np.int64)
+    room = room[:, :n_columns]
+    order = np.argsort(np.nansum(room[: n_marks // 2], axis=(0, 1)), kind="stable")
+    scaled = room.take(order, axis=2)  # `room` is written over then: new memory is dear
+    moves = (np.abs(np.diff(scaled, axis=0)) > _MOVED).sum(axis=(0, 1))
+    distance, neighbour = np.full(n, np.inf), np.zeros(n, dtype=np.int64)
+    for ahead in range(1, min(_NEIGHBOURS, n - 1) + 1):
         one, other = slice(-ahead), slice(ahead, None)
-        between = marks[..., one] - marks[..., other]
+        between = np.subtract(scaled[..., one], scaled[..., other], out=room[..., one])
         apart = np.square(between, out=between).mean(axis=1)  # (n_marks, n)
         common = np.isfinite(apart).sum(axis=0)
         far = np.sqrt(np.nansum(apart, axis=0) / np.maximum(common, 1))
@@ -477,11 +489,23 @@ def _nearest(marks: Floats) -> tuple[Floats, Ints]:
     return np.where(np.isfinite(distance), distance, np.nan)[back], neighbour[back]
 
 
-def _motion(marks: Floats, rows: Ints) -> Floats:
+def _in_spreads(marks: Array) -> Iterator[NDArray[np.float32]]:
+    """Count each column that moves from its mean, in spreads: float32[n_marks, n_runs]."""
+    for column in marks.T:
+        values = column.astype(np.float64)
+        n = max(int(np.isfinite(values).sum()), 1)
+        values -= np.nansum(values) / n
+        spread = np.sqrt(np.nansum(np.square(values)) / n)
+        if spread > 0:
+            yield (values / spread).astype(np.float32)
+
+
+def _motion(marks: Array, rows: Ints) -> Floats:
     """Return how far some demonstrations go, in spreads of their columns, as a root mean square."""
+    values = marks.astype(np.float64)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # a mark beyond the end of all of them
-        spread, own = np.nanstd(marks, axis=(0, 1)), np.nanstd(marks[rows], axis=1)
+        spread, own = np.nanstd(values, axis=(0, 1)), np.nanstd(values[rows], axis=1)
     motion: Floats = np.sqrt(np.square(own[:, spread > 0] / spread[spread > 0]).mean(axis=1))
     return motion
 

@@ -154,9 +154,9 @@ def _rest(features: Sequence[Array], reach: Sequence[Floats], first: Ints, step:
         ahead = np.minimum(np.arange(seen, 2 * seen + _AT_ONCE), length[left, None] - 1)
         rows = first[left, None] + step * ahead  # (n_left, n_ahead)
         away = np.zeros(rows.shape, dtype=bool)
-        for values, far in zip(features, reach, strict=True):
-            from_first = values[rows].astype(np.float64) - values[first[left], None]
-            away |= (np.abs(from_first) > far).any(axis=2)
+        for values, reaches in zip(features, reach, strict=True):
+            for column, far in zip(values.T, reaches, strict=True):
+                away |= np.abs(column[rows].astype(np.float64) - column[first[left], None]) > far
         found = away.any(axis=1)
         rest[left[found]] = seen + away[found].argmax(axis=1)
         seen += ahead.shape[1]

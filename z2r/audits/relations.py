@@ -5,7 +5,7 @@ effort from the posture, a foot's contact from its leg. How it does, only the da
 the other episodes. Where a column of one episode is far from what it should be by that, something else is recorded.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -38,7 +38,7 @@ def moments_to_keep(schema: Schema, n_episodes: int) -> int:
     return n if n >= _LEAST and n_episodes >= _MIN_EPISODES else 0
 
 
-def keep_moments(schema: Schema, signals: Columns, starts: Ints, n_moments: int) -> NDArray[np.float32]:
+def keep_moments(schema: Schema, signals: Columns, starts: Ints, n_moments: int) -> NDArray[np.float32] | None:
     """Return what all columns are at some moments of each run, and how they change there.
 
     Parameters
@@ -46,7 +46,7 @@ def keep_moments(schema: Schema, signals: Columns, starts: Ints, n_moments: int)
     schema : Schema
         The features, whose order is that of the columns.
     signals : dict of str to ndarray, (n_rows, size)
-        All numeric features.
+        The numeric features that can be read.
     starts : ndarray, int64[n_runs]
         The first row of each run.
     n_moments : int
@@ -54,32 +54,34 @@ def keep_moments(schema: Schema, signals: Columns, starts: Ints, n_moments: int)
 
     Returns
     -------
-    ndarray, float32[n_runs, n_moments, 2, n_columns]
-        NaN in runs of fewer than 20 frames.
+    ndarray, float32[n_runs, n_moments, 2, n_columns], or None
+        NaN in runs of fewer than 20 frames. In memory, runs lie beside each other: what is asked is asked by column.
+        None where a feature cannot be read, or no moments are asked for.
     """
-    columns = [column for name in schema.signals() if name in signals for column in signals[name].T]
+    if not n_moments or not signals or signals.keys() != schema.signals().keys():
+        return None
+    columns = [column for name in schema.signals() for column in signals[name].T]
     n = np.diff(starts, append=len(columns[0]))
     rows = starts[:, None] + (1 + np.linspace(0, 1, n_moments) * (n[:, None] - 3)).round().astype(np.int64)
     long = n >= _MIN_FRAMES
-    rows[~long] = 1
-    moments = np.full((len(starts), n_moments, 2, len(columns)), np.nan, dtype=np.float32)
+    rows = rows[long].T  # (n_moments, n_long)
+    moments = np.full((len(columns), 2, n_moments, len(starts)), np.nan, dtype=np.float32)
     for place, column in enumerate(columns):
-        moments[long, :, 0, place] = column[rows[long]]
-        moments[long, :, 1, place] = column[rows[long] + 1] - column[rows[long] - 1]
-    return moments
+        moments[place, 0][:, long] = column[rows]
+        moments[place, 1][:, long] = column[rows + 1] - column[rows - 1]
+    return moments.T
 
 
-def not_related(schema: Schema, n_episodes: int, parts: Sequence[NDArray[np.float32] | None]) -> str:
-    """Say why no column is held against the others, of the moments that are kept of each file; empty where they are."""
+def not_related(schema: Schema, n_episodes: int, moments: NDArray[np.float32] | None) -> str:
+    """Say why no column is held against the others, of the moments that are kept of all files; empty where they are."""
     few = f"there are fewer than {_MIN_EPISODES} episodes of {_MIN_FRAMES} frames or more"
     if n_episodes < _MIN_EPISODES:
         return few
     if not moments_to_keep(schema, n_episodes):
         return f"{n_episodes:,} episodes of so many columns are too many"
-    if {part.shape[-1] if part is not None else 0 for part in parts} - {_n_columns(schema)}:
+    if moments is None:
         return "not all of them can be read"
-    n_told = sum(int(_is_told(part).sum()) for part in parts if part is not None)
-    return few if n_told < _MIN_EPISODES else ""
+    return few if _is_told(moments).sum() < _MIN_EPISODES else ""
 
 
 def _n_columns(schema: Schema) -> int:
@@ -88,7 +90,7 @@ def _n_columns(schema: Schema) -> int:
 
 def _is_told(moments: NDArray[np.float32]) -> Bools:
     """Tell of which runs moments are kept, bool[n_runs]."""
-    told: Bools = np.asarray(np.isfinite(moments.reshape(len(moments), -1)).all(axis=1))
+    told: Bools = np.asarray(np.isfinite(moments).all(axis=(1, 2, 3)))
     return told
 
 
@@ -106,9 +108,9 @@ def columns_go_with_the_others(runs: Runs) -> Iterator[Answer]:
         for column in range(runs.claims.schema.features[name].size)
     ]
     told = np.flatnonzero(_is_told(runs.moments))
-    if len(told) < _MIN_EPISODES or runs.moments.shape[3] != len(labels):
+    if len(told) < _MIN_EPISODES:
         return
-    off = _off(runs.moments[told])
+    off = _off(runs.moments.T, told)
     worst = np.where(off.wrong, off.far / np.maximum(off.usual, _DOUBT), 0).argmax(axis=1)
     odd = off.wrong.any(axis=1)
     for column in np.unique(worst[odd]).tolist():
@@ -134,26 +136,27 @@ class _Off(NamedTuple):
     wrong: Bools
 
 
-def _off(moments: NDArray[np.float32]) -> _Off:
-    """Foretell each column, (n, n_moments, 2, n_columns), from all else of its moment, as learned from other episodes.
+def _off(moments: NDArray[np.float32], told: Ints) -> _Off:
+    """Foretell each column, (n_columns, 2, n_moments, n_runs), from all else of its moment, in some of the runs.
 
-    The inverse of a covariance holds the regressions of each variable on all the others (Lauritzen, "Graphical Models",
-    1996, section 5.1.3), so one inverse foretells all columns at once.
+    It is learned from other episodes. The inverse of a covariance holds the regressions of each variable on all the
+    others (Lauritzen, "Graphical Models", 1996, section 5.1.3), so one inverse foretells all columns at once.
     """
-    n, n_moments, _, n_columns = moments.shape
-    scaled = _scaled(moments.reshape(n, n_moments, -1))
-    k = scaled.shape[2]
-    fold, good = np.arange(n) % _FOLDS, np.ones(n, dtype=bool)
+    n_columns, _, n_moments, _ = moments.shape
+    series = moments.reshape(2 * n_columns, n_moments, -1)  # each column, and after it how it changes
+    scales = [_middle_and_spread(column.take(told, axis=1)) for column in series]
+    scale = np.array(scales, np.float32).T[..., None, None]
+    fold, good = np.arange(len(told)) % _FOLDS, np.ones(len(told), dtype=bool)
     for _ in range(_ROUNDS):
-        sums = [_products(scaled[good & (fold == one)]) for one in range(_FOLDS)]
-        far = np.empty((n, n_columns))
+        sums = [_products(_scaled(series, scale, told[good & (fold == one)])) for one in range(_FOLDS)]
+        far = np.empty((len(told), n_columns))
         for one in range(_FOLDS):
             others = sum(sums) - sums[one]
             covariance = others / max((good & (fold != one)).sum() * n_moments, 1)
-            inverse = np.linalg.inv(covariance + _DOUBT * np.eye(k))
-            weights = (inverse / np.diag(inverse))[:, :n_columns].astype(np.float32)
-            left = scaled[fold == one] @ weights  # (n, n_moments, n_columns)
-            far[fold == one] = np.sqrt(np.square(left).mean(axis=1))
+            inverse = np.linalg.inv(covariance + _DOUBT * np.eye(len(series)))
+            weights = (inverse / np.diag(inverse))[:, ::2].T.astype(np.float32)  # (n_columns, 2 n_columns)
+            left = (weights @ _scaled(series, scale, told[fold == one])).reshape(n_columns, n_moments, -1)
+            far[fold == one] = np.sqrt(np.square(left, out=left).mean(axis=1)).T
         usual = np.median(far, axis=0)
         limit = np.maximum(np.maximum(_FAR, _FARTHER * usual), _FARTHEST * np.quantile(far, 0.8, axis=0))
         wrong = (far >= limit) & (usual <= _TELLS)
@@ -165,16 +168,24 @@ def _off(moments: NDArray[np.float32]) -> _Off:
 
 
 def _products(scaled: NDArray[np.float32]) -> Floats:
-    """Sum the products of all columns with each other, float64[k, k]."""
-    flat = scaled.reshape(-1, scaled.shape[-1])
-    products: Floats = (flat.T @ flat).astype(np.float64)
+    """Sum the products of all columns with each other, (k, n): float64[k, k]."""
+    products: Floats = (scaled @ scaled.T).astype(np.float64)
     return products
 
 
-def _scaled(moments: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Return moments from their middle, in spreads; 0 where nothing moves."""
-    scaled: NDArray[np.float32] = moments - np.median(moments.mean(axis=1), axis=0)
-    spread = np.sqrt(np.square(scaled).mean(axis=(0, 1), dtype=np.float64))  # (k,)
-    scaled /= np.where(spread > 0, spread, 1).astype(np.float32)
-    np.clip(scaled, -_CLIP, _CLIP, out=scaled)
-    return scaled
+def _middle_and_spread(column: NDArray[np.float32]) -> tuple[float, float]:
+    """Return where a column, (n_moments, n), is, and how far its moments are from there; 1 if nothing moves."""
+    middle = np.median(column.mean(axis=0))
+    spread = np.sqrt(np.square(column - middle).mean(dtype=np.float64))
+    return float(middle), float(spread) or 1.0
+
+
+def _scaled(series: NDArray[np.float32], scale: NDArray[np.float32], runs: Ints) -> NDArray[np.float32]:
+    """Count the moments of some runs, (k, n_moments, n_runs), from the middle, in spreads: float32[k, n].
+
+    Of a part of the runs at a time, for all of them at once are much.
+    """
+    scaled = series.take(runs, axis=2)
+    middle, spread = scale
+    np.clip((scaled - middle) / spread, -_CLIP, _CLIP, out=scaled)
+    return scaled.reshape(len(series), -1)

@@ -49,7 +49,7 @@ class FileSums(NamedTuple):
     places : ndarray, float32[n_runs, 129, size], or None
         Where the robot is, from `sum_places`; only where pictures are decoded.
     moments : ndarray, float32[n_runs, n_moments, 2, n_columns], or None
-        What all columns are at some moments, from `keep_moments`; None where that would be too much.
+        What all columns are at some moments, from `keep_moments`; None where that would be too much, or one is missing.
     comes : ndarray, float64[n_runs, 1 + size], or None
         When a label first comes, and the state then, from `fold_comes`; None where there is none of both.
     """
@@ -121,26 +121,20 @@ class Runs(NamedTuple):
         features = self.claims.schema.signals()
         size = features[name].size if name in features else 0
         first = sum(features[each].size for each in takewhile(name.__ne__, features))
-        if self.moments is None or self.moments.shape[3] != sum(each.size for each in features.values()):
+        if self.moments is None:
             return np.empty((len(self.number), 0, 2, size), dtype=np.float32)
         return self.moments[..., first : first + size]
 
 
-def _joined_moments(parts: Sequence[FileSums]) -> NDArray[np.float32] | None:
-    """Put the moments of all parts after each other; None where they are of other columns."""
-    widths = {part.moments.shape[-1] for part in parts if part.moments is not None}
-    joined: NDArray[np.float32] | None = join_all([part.moments for part in parts]) if len(widths) == 1 else None
-    return joined
-
-
 class Motion(NamedTuple):
-    """Of all files that could be read, in their order: the statistics and steps of each feature that all of them have.
+    """Of all files that could be read, in their order: statistics, steps and moments of each feature that all have.
 
     They are most of what is kept of a dataset. So they are put together as they come: no file's own are held beside.
     """
 
     stats: dict[str, RunStats]
     steps: dict[str, RunSteps]
+    moments: NDArray[np.float32] | None
 
 
 def join_runs(
@@ -166,7 +160,7 @@ def join_runs(
         steps=motion.steps,
         idle=join_all([part.idle for _, part in parts]),
         tasks=join_all([_shifted(part.tasks, int(first)) for first, (_, part) in zip(firsts, parts, strict=True)]),
-        moments=_joined_moments([part for _, part in parts]),
+        moments=motion.moments,
         comes=join_all([part.comes for _, part in parts]),
     )
 

@@ -113,7 +113,7 @@ def run_sums(values: Array, starts: Ints, fps: float | None = None) -> tuple[Run
         Frames per second, by which `RunSteps.marks` are chosen; neither they nor a sketch are kept unless it is given.
     """
     count = np.diff(starts, append=len(values))
-    n_moving, prints = np.zeros(len(values), dtype=np.int64), np.zeros(len(values), dtype=np.uint64)
+    n_moving, prints = np.zeros(len(values), dtype=np.int16), np.zeros(len(values), dtype=np.uint64)
     stats, steps = [], []
     # Of a run, where a third difference would reach into the run before.
     begins = np.minimum(starts[:, None] + np.arange(3), len(values) - 1).ravel()
@@ -121,15 +121,17 @@ def run_sums(values: Array, starts: Ints, fps: float | None = None) -> tuple[Run
     for column in values.T:
         numbers = column.astype(np.float64)
         if fps is not None:
-            prints = prints * _MIXERS[0] + (numbers + 0.0).view(np.uint64)  # of 0 there are two, which differ in a bit
+            prints *= _MIXERS[0]
+            prints += (numbers + 0.0).view(np.uint64)  # of 0 there are two, which differ in a bit
         if (numbers == numbers[0]).all():  # a target that rests, a gripper that nobody used
             of_stats, of_steps = _still_column(numbers[starts], count)
         else:
             change = change_in_runs(numbers, starts)
             size = np.abs(change)
-            n_moving += size > 0
+            moving = size > 0
+            n_moving += moving
             of_stats = _column_stats(numbers, change, size, starts, count)
-            of_steps = _column_steps(numbers, change, size, of_stats, starts, count, begins)
+            of_steps = _column_steps(numbers, change, size, moving, of_stats, starts, count, begins)
         stats.append(of_stats)
         steps.append(of_steps)
     return (
@@ -145,7 +147,7 @@ def run_sums(values: Array, starts: Ints, fps: float | None = None) -> tuple[Run
 
 def change_in_runs(values: Floats, starts: Ints) -> Floats:
     """Return the change from the frame before, 0 in the first of each run: float64[n_rows]."""
-    change = np.zeros(len(values))
+    change = np.empty(len(values))  # of zeros, each would be written twice
     np.subtract(values[1:], values[:-1], out=change[1:])
     change[starts] = 0
     return change
@@ -170,24 +172,24 @@ def _still_column(first: Floats, count: Ints) -> tuple[dict[str, Floats], dict[s
     """Sum up a column that never changes: all of its frames say what the first of each run does."""
     still, starts, once = np.zeros(len(first)), np.arange(len(first)), np.ones_like(count)
     stats = _column_stats(first, still, still, starts, once)
-    steps = _column_steps(first, still, still, stats, starts, once, starts)
+    steps = _column_steps(first, still, still, still > 0, stats, starts, once, starts)
     return stats, steps | dict.fromkeys(("at_low", "at_high"), count.astype(np.int32))
 
 
 def _column_stats(values: Floats, change: Floats, size: Floats, starts: Ints, count: Ints) -> dict[str, Floats]:
     low, high = np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)
     mean = np.clip(np.add.reduceat(values, starts) / count, low, high)  # of one and the same value, that value
-    back = np.zeros(len(change))
-    np.negative(change[1:], out=back[:-1])
-    up = np.maximum.reduceat(np.minimum(change, back), starts)  # there and back again, or nothing
-    down = np.minimum.reduceat(np.maximum(change, back), starts)
+    back, falls = np.empty(len(size)), np.signbit(change)  # how far it goes back at once from where it went
+    np.minimum(size[:-1], size[1:], out=back[:-1])
+    back[:-1] *= falls[:-1] != falls[1:]
+    back[-1] = 0
     return {
         "low": low,
         "high": high,
         "mean": mean,
         "squares": np.add.reduceat(np.square(values - np.repeat(mean, count)), starts),
         "step": np.maximum.reduceat(size, starts),
-        "spike": np.maximum(up, -down),
+        "spike": np.maximum.reduceat(back, starts),
     }
 
 
@@ -195,39 +197,50 @@ def _column_steps(
     values: Floats,
     change: Floats,
     size: Floats,
+    moving: Bools,
     stats: dict[str, Floats],
     starts: Ints,
     count: Ints,
     begins: Ints,
 ) -> dict[str, Any]:
     at, around = np.zeros(len(starts), np.int32), np.zeros(len(starts))
-    hits = np.flatnonzero(size == np.repeat(stats["step"], count))[::-1]  # the first of each run is written last
+    largest = moving & (size == np.repeat(stats["step"], count))
+    hits = np.flatnonzero(largest)[::-1]  # the first of each run is written last
     run = run_of(hits, starts)
     at[run] = hits - starts[run]
     next_one = np.minimum(hits + 1, len(size) - 1)
     after = np.where(next_one > hits, size[next_one], 0)
     around[run] = np.maximum(size[np.maximum(hits - 1, 0)], after)  # 0 where a run begins
-    third = np.zeros(len(size))
+    third = np.empty(len(size))
     second = change[1:] - change[:-1]
     np.subtract(second[2:], second[1:-1], out=third[3:])
     third[begins] = 0
-    moving, squares = size > 0, np.add.reduceat(np.square(third), starts)
+    squares = np.add.reduceat(np.square(third), starts)
     return {
         "at": at,
         "around": around,
         "path": np.add.reduceat(size, starts),
         "moves": count_in_runs(moving, starts),
-        "at_low": count_in_runs(values == stats["low"].min(), starts),
-        "at_high": count_in_runs(values == stats["high"].max(), starts),
+        "at_low": _count_at(values, stats["low"], stats["low"].min(), starts, count),
+        "at_high": _count_at(values, stats["high"], stats["high"].max(), starts, count),
         "noise": np.add.reduceat(np.abs(third), starts),
         "alternates": np.add.reduceat(_times_the_next(third), starts) < _ALTERNATES * squares,
         **_stalls(size, moving, starts, count),
     }
 
 
+def _count_at(values: Floats, ends: Floats, end: float, starts: Ints, count: Ints) -> Counts:
+    """Count the frames at an end of the range, in the runs that come to it: few, but for a limit or a gripper."""
+    n, there = np.zeros(len(starts), dtype=np.int32), ends == end
+    frames = values[np.repeat(there, count)]
+    n[there] = count_in_runs(frames == end, np.cumsum(count[there]) - count[there])
+    return n
+
+
 def _times_the_next(values: Floats) -> Floats:
-    products = np.zeros(len(values))
+    products = np.empty(len(values))
     np.multiply(values[:-1], values[1:], out=products[:-1])
+    products[-1] = 0
     return products
 
 
@@ -244,17 +257,21 @@ def _stalls(size: Floats, moving: Bools, starts: Ints, count: Ints) -> dict[str,
     frames = np.flatnonzero(six[:-1] & moving[_STILL:]) + _STILL
     if not len(frames):  # as in most
         return found
-    frames = frames[frames + _AFTER < (starts + count)[run_of(frames, starts)]]
-    run, marks = run_of(frames, starts), np.flatnonzero(ends)
-    rest = frames - 1 - marks[np.searchsorted(marks, frames) - 1]
-    after = size[frames[:, None] + 1 + np.arange(_AFTER)]  # (n_leaps, 5)
-    ratio = size[frames] / np.maximum(after.max(axis=1, initial=0), 1e-300)
-    ratio[(after > 0).sum(axis=1) < _AFTER - 1] = 0  # it does not go on: a switch
+    run = run_of(frames, starts)
+    whole = frames + _AFTER < (starts + count)[run]
+    frames, run = frames[whole], run[whole]
+    after = size[frames + 1 + np.arange(_AFTER)[:, None]]  # (5, n_leaps)
+    ratio = size[frames] / np.maximum(after.max(axis=0), 1e-300)
+    goes_on = (after > 0).sum(axis=0) >= _AFTER - 1  # else it is a switch
+    frames, run, ratio = frames[goes_on], run[goes_on], ratio[goes_on]
+    worst = np.full(len(starts), -1)
     order = np.argsort(ratio, kind="stable")  # the worst of each run is written last
-    frames, where = frames[order], run[order]
-    worst = ratio[order], size[frames], frames - starts[where], rest[order]
-    for name, values in zip(found, worst, strict=True):
-        found[name][where] = values
+    worst[run[order]] = order
+    at = worst[worst >= 0]
+    frames, run, marks = frames[at], run[at], np.flatnonzero(ends)
+    rest = frames - 1 - marks[np.searchsorted(marks, frames) - 1]
+    for name, values in zip(found, (ratio[at], size[frames], frames - starts[run], rest), strict=True):
+        found[name][run] = values
     return found
 
 
@@ -265,25 +282,29 @@ def _repeated(moving: Bools, starts: Ints) -> Counts:
     return count_in_runs(between, starts)
 
 
-def _sketch(prints: NDArray[np.uint64], n_moving: Ints, starts: Ints) -> NDArray[np.uint64]:
-    most = np.repeat(np.maximum.reduceat(n_moving, starts), np.diff(starts, append=len(n_moving)))
-    told = n_moving >= np.maximum(1, (most + 1) // 2)
+def _sketch(prints: NDArray[np.uint64], n_moving: NDArray[np.int16], starts: Ints) -> NDArray[np.uint64]:
+    half = np.maximum(1, (np.maximum.reduceat(n_moving, starts) + 1) // 2)
+    told = n_moving >= np.repeat(half, np.diff(starts, append=len(n_moving)))
     told[starts] = False
-    both = prints[1:] * _MIXERS[1] + prints[:-1]
-    both ^= both >> np.uint64(31)
+    n, frames = count_in_runs(told, starts), np.flatnonzero(told)
+    has = n > 0
     sketch = np.full((len(starts), len(_MIXERS)), NO_SKETCH)
-    hashed = np.full(len(prints), NO_SKETCH)
-    for column, mixer in enumerate(_MIXERS):
-        hashed[1:][told[1:]] = (both * mixer)[told[1:]]
-        sketch[:, column] = np.minimum.reduceat(hashed, starts)
+    if not has.any():
+        return sketch
+    begins = (np.cumsum(n) - n)[has]
+    both = prints[frames] * _MIXERS[1] + prints[frames - 1]
+    both ^= both >> np.uint64(31)
+    sketch[has] = np.stack([np.minimum.reduceat(both * mixer, begins) for mixer in _MIXERS], axis=1)
     return sketch
 
 
 def _marks(values: Array, starts: Ints, fps: float) -> Floats:
     stops = np.append(starts[1:], len(values))
     rows = starts[:, None] + max(1, round(_MARK_EVERY * fps)) * np.arange(_MARKS)  # (n_runs, 12)
-    numbers = np.result_type(values, np.float32)
-    marks = values[np.minimum(rows, len(values) - 1)].astype(numbers)  # (n_runs, 12, size)
+    marks = np.empty((*rows.shape, values.shape[1]), np.result_type(values, np.float32))  # (n_runs, 12, size)
+    there = np.minimum(rows, len(values) - 1)
+    for place, column in enumerate(values.T):
+        marks[..., place] = column[there]
     marks[rows >= stops[:, None]] = np.nan
     flat: Floats = marks.reshape(len(starts), -1)
     return flat

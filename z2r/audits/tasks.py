@@ -163,7 +163,7 @@ def tasks_of_an_episode(runs: Runs) -> Iterator[Answer]:
         if fault[:2] not in [said[:2] for said in runs.claims.stored.episodes.faults]:
             yield fault
         return
-    unlike = [each for each in episodes if each.named != each.there]  # of many episodes, few
+    unlike = [each for each in episodes if each.named != each.there]
     unsaid = [each for each in unlike if each.named < each.there]
     differ = [each for each in unlike if not each.named < each.there]
     several = [each for each in episodes if len(each.there) > 1 and each.named == each.there]
@@ -226,7 +226,7 @@ def fold_tasks(frames: FileFrames) -> Ints | None:
 
 
 def _tasks_of_episodes(runs: Runs) -> Iterator[_Tasks]:
-    """Yield both of every episode of which both are known."""
+    """Yield both of every episode in which they differ or are several: of many episodes, few."""
     tasks = runs.claims.stored.tasks.value
     if tasks is None or runs.tasks is None:
         return
@@ -237,8 +237,9 @@ def _tasks_of_episodes(runs: Runs) -> Iterator[_Tasks]:
             seen.setdefault(episode, set()).add(text[task])
     for shard in runs.claims.stored.episodes.value.shards:
         for episode, named in tasks_of_episodes(runs.claims.root / shard):
-            if episode in seen:
-                yield _Tasks(episode, named, seen[episode])
+            there = seen.get(episode)
+            if there and (named != there or len(there) > 1):
+                yield _Tasks(episode, named, there)
 
 
 def _is_a_slip(one: str, other: str) -> bool:

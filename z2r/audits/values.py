@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from z2r.arrays import Bools, Floats, Ints
+from z2r.arrays import Array, Bools, Floats, Ints
 from z2r.audits.frames import FileColumns, FileFrames, RunStats
 from z2r.audits.runs import Runs
 from z2r.check import Answer, Check
@@ -45,12 +45,17 @@ def unit_circle(frames: FileFrames) -> Iterator[Answer]:
     for name, values in frames.read.frames.items():
         feature = frames.schema.features[name]
         for sine, cosine in unit_pairs(feature):
-            squares = np.square(values[:, [sine, cosine]].astype(np.float64)).sum(axis=1)
+            squares = _squares(values, (sine, cosine))
             wrong = np.abs(squares - 1) > UNIT_TOLERANCE
             if wrong.any():
                 row = int(wrong.argmax())
                 what, found = f"{feature.dim_names[sine]}² + {feature.dim_names[cosine]}²", f"{squares[row]:.3f}"
                 yield frames.fault(f"{name}: {what}", wrong, found, "1: a sine and its cosine", framed=True)
+
+
+def _squares(values: Array, columns: Sequence[int]) -> Floats:
+    """Sum up the squares of some columns in each row, float64[n_rows]."""
+    return sum((np.square(values[:, column].astype(np.float64)) for column in columns), start=np.zeros(len(values)))
 
 
 JUMP = Check("jump", "no value leaps away and back, many times further than it moves elsewhere", "warning")
@@ -62,7 +67,7 @@ def unit_quaternion(frames: FileFrames) -> Iterator[Answer]:
     for name, values in frames.read.frames.items():
         feature = frames.schema.features[name]
         for columns in quaternions(feature):
-            squares = np.square(values[:, columns].astype(np.float64)).sum(axis=1)
+            squares = _squares(values, columns)
             wrong = np.abs(squares - 1) > UNIT_TOLERANCE
             if wrong.any():
                 what = f"{name}: the squares of {', '.join(feature.dim_names[each] for each in columns)}"

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from msgspec.structs import replace
 
-from z2r.arrays import Bools, Floats, Ints, reduce_parts
+from z2r.arrays import Bools, Floats, Ints, lengths, reduce_parts, stack_columns
 from z2r.check import Answer, Check, Part
 from z2r.errors import DatasetError, Fault
 from z2r.format.episodes import DATA_DIR, EpisodeIndex, parts_within
@@ -87,9 +87,9 @@ def fold_block(
     rows = _Rows(base, n, starts, episodes.numbers[here])
     inside = _pairs_inside(starts, stops, n)
     tee, pusher = decoded.pose("tee"), decoded.pose("pusher")
-    steps = np.stack([np.diff(pusher.x), np.diff(pusher.y)], axis=1)  # (n - 1, 2)
+    steps = stack_columns([np.diff(pusher.x), np.diff(pusher.y)])  # (n - 1, 2)
     offset, errors, depth = _offset(decoded), frame_errors(decoded), overlap(decoded)
-    leaps = _leaps(steps, action, np.hypot(np.diff(tee.x), np.diff(tee.y)), 1 / fps)
+    leaps = _leaps(steps, action, lengths(np.diff(tee.x), np.diff(tee.y)), 1 / fps)
     long = leaps > _LONG_LEAP
     together = inside & ~long if long.sum() < _RARE * len(long) else inside  # a leap is no motion, unless all motion is
     free = _away_from_walls(pusher)
@@ -349,14 +349,14 @@ def _offset(decoded: Decoded) -> Floats:
     tee, target = decoded.pose("tee"), decoded.pose("target")
     turn = decoded.yaw("tee") - decoded.yaw("target")
     wraps = all(goal.wraps for goal in decoded.reading.goal)
-    return np.stack([tee.x - target.x, tee.y - target.y, wrap_angle(turn) if wraps else turn], axis=1)
+    return stack_columns([tee.x - target.x, tee.y - target.y, wrap_angle(turn) if wraps else turn])
 
 
 def _leaps(steps: Floats, action: Floats, block_steps: Floats, seconds: float) -> Floats:
     """How far pusher or block go beyond what the action asks."""
-    reach = np.hypot(*action[:-1].T) * seconds
+    reach = lengths(*action[:-1].T) * seconds
     reach[1:] = np.maximum(reach[1:], reach[:-1])  # what moves does not stop at once
-    beyond: Floats = np.maximum(np.hypot(*steps.T), block_steps - _FLUNG) - reach
+    beyond: Floats = np.maximum(lengths(*steps.T), block_steps - _FLUNG) - reach
     return beyond
 
 
@@ -369,7 +369,7 @@ def _leap_over_the_cut(before: Decoded, decoded: Decoded, seconds: float) -> flo
         np.diff([np.append(getattr(before.pose(name), axis), getattr(first.pose(name), axis)) for axis in "xy"])
         for name in ("pusher", "tee")
     )  # (2, n_steps)
-    leaps = _leaps(pusher.T, np.concatenate([before.action, first.action]), np.hypot(*tee), seconds)
+    leaps = _leaps(pusher.T, np.concatenate([before.action, first.action]), lengths(*tee), seconds)
     return float(leaps[-1])
 
 

@@ -43,26 +43,22 @@ def motion_sums(velocity: Floats, action: Floats, inside: Bools, starts: Ints, l
     ndarray, float64[n_episodes, n_shifts, 6, 2]
         Number of frames, sums of action a and velocity v, and of a², v² and a v.
     """
-    n = len(action)
+    n, far = len(action), max(map(abs, SHIFTS)) + abs(lag)
     segment = np.concatenate([[0], np.cumsum(~inside)])  # the same number where frames hang together
-    asked, moved = np.ascontiguousarray(action.T), np.zeros((2, n))
-    moved[:, :-1] = velocity.T  # the last frame has no motion, and may be an episode
-    sums = np.empty((len(starts), len(SHIFTS), 6, 2))
-    columns = np.empty((6, 2, n))
-    count, a, v, aa, vv, av = columns
+    # The last frame has no motion, and may be an episode; before the first action and after the last there is none.
+    moved, asked = np.zeros((2, n)), np.zeros((2, n + 2 * far))
+    moved[:, :-1], asked[:, far : far + n] = velocity.T, action.T
+    hangs, known = np.full(n + 2 * far, -1), np.append(inside, False)
+    hangs[far : far + n] = segment
+    sums = np.empty((2, 6, len(SHIFTS), len(starts))).T  # in memory, episodes lie beside each other
     for place, shift in enumerate(SHIFTS):
         # Frame by frame, the action that would be the cause; where there is none, the frame does not count.
-        ahead = shift + lag
-        first = max(0, -ahead)
-        stop = max(first, min(n - 1, n - ahead))
-        frames, causes = slice(first, stop), slice(first + ahead, stop + ahead)
-        valid = np.zeros(n, dtype=bool)
-        valid[frames] = inside[frames] & (segment[causes] == segment[frames])
-        count[:], v[:], a[:, frames] = 1, moved, asked[:, causes]
-        columns[:3, :, ~valid] = 0
-        for product, one, other in ((aa, a, a), (vv, v, v), (av, a, v)):
-            np.multiply(one, other, out=product)
-        sums[:, place] = np.moveaxis(np.add.reduceat(columns, starts, axis=2), 2, 0)
+        causes = slice(far + shift + lag, far + shift + lag + n)
+        counts = (known & (hangs[causes] == segment)).astype(np.float64)
+        for axis, (a, v) in enumerate(zip(asked[:, causes], moved, strict=True)):
+            cause, effect = a * counts, v * counts
+            for row, values in enumerate((counts, cause, effect, cause * a, effect * v, cause * v)):
+                sums[:, place, row, axis] = np.add.reduceat(values, starts)
     return sums
 
 
@@ -77,23 +73,25 @@ def motion_faults(episodes: Ints, parts: Floats) -> Iterator[Answer]:
         From `motion_sums`.
     """
     numbers, place = np.unique(episodes, return_inverse=True)
-    motion = np.zeros((len(numbers) + 1, *parts.shape[1:]))
-    np.add.at(motion, place, parts)
-    motion[-1] = motion[:-1].sum(axis=0)
-    fit = _fit(motion)
-    fault = _faults(fit)
-    wrong = np.flatnonzero(fault[:-1])
-    if fault[-1] and (not len(wrong) or len(wrong) > len(numbers) / 2):
-        yield Fault(DATA_DIR, "action against the motion of the pusher", *_say(fit, fault, -1))
+    if (place[1:] > place[:-1]).all():  # each is an episode of its own, in order: as in most datasets
+        motion = parts
+    else:
+        motion = np.zeros((len(numbers), *parts.shape[1:]))
+        np.add.at(motion, place, parts)
+    fit, of_all = _fit(motion), _fit(motion.sum(axis=0, keepdims=True))
+    fault, fault_of_all = _faults(fit), _faults(of_all)
+    wrong = np.flatnonzero(fault)
+    if fault_of_all.any() and (not len(wrong) or len(wrong) > len(numbers) / 2):
+        yield Fault(DATA_DIR, "action against the motion of the pusher", *_say(of_all, fault_of_all, 0))
     elif len(wrong):
         found, expected, mend = _say(fit, fault, int(wrong[0]))
         episode = f"action in episode {numbers[wrong[0]]}"
         named = tuple(numbers[wrong].tolist())
-        yield "warning", Fault(DATA_DIR, episode, f"{found}{and_more(fault[:-1] > 0)}", expected, mend, named)
+        yield "warning", Fault(DATA_DIR, episode, f"{found}{and_more(fault > 0)}", expected, mend, named)
 
 
 class _Fit(NamedTuple):
-    """How well the action explains the motion of the pusher: a row for each episode, and one for all together."""
+    """How well the action explains the motion of the pusher: a row for each episode, or one for all together."""
 
     n: Floats  # steps
     asked: Floats  # (n_rows, 2 axes), m/s: root mean square of the action

@@ -6,7 +6,7 @@ box, apart from the millimetres by which a simulated contact gives way. A readin
 
 import numpy as np
 
-from z2r.arrays import Floats
+from z2r.arrays import Floats, lengths
 from z2r.pusht.task import PUSHER_RADIUS
 from z2r.pusht.world import TEE_BOXES
 from z2r.reading.bodies import Box
@@ -59,6 +59,6 @@ def _distance_to_box(x: Floats, y: Floats, box: Box) -> Floats:
     """Measure from points to the nearest side of a box [m], negative where they are inside it."""
     (center_x, center_y), (half_x, half_y, _) = box
     beyond_x, beyond_y = np.abs(x - center_x) - half_x, np.abs(y - center_y) - half_y
-    outside: Floats = np.hypot(np.maximum(beyond_x, 0.0), np.maximum(beyond_y, 0.0))
+    outside = lengths(np.maximum(beyond_x, 0.0), np.maximum(beyond_y, 0.0))
     inside: Floats = np.minimum(np.maximum(beyond_x, beyond_y), 0.0)
     return outside + inside

@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from z2r.arrays import Array, Columns, Floats
+from z2r.arrays import Array, Columns, Floats, stack_columns
 from z2r.format.schema import ACTION, Schema
 from z2r.reading.poses import Pose, read_pose
 from z2r.reading.reading import Reading, locate
@@ -136,4 +136,4 @@ def _action(features: Mapping[str, Array], reading: Reading, schema: Schema) -> 
     places = [locate(name, ACTION, schema) for name in reading.action.columns]
     if not {feature for feature, _ in places} <= set(features):
         return None
-    return np.stack([_column(features, *place) for place in places], axis=1)
+    return stack_columns([_column(features, *place) for place in places])
