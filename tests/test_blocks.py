@@ -25,9 +25,9 @@ from z2r.audits import audit as audit_module
 from z2r.audits import frames as frames_module
 from z2r.audits.audit import Audit, audit
 from z2r.audits.both import inspect_and_audit
+from z2r.data import STANDIN
 from z2r.format import parquet
 from z2r.format.dataset import load
-from z2r.format.schema import read_schema
 from z2r.format.tables import read_data_blocks, read_data_file
 from z2r.pusht.scene import SCENE
 
@@ -131,19 +131,20 @@ def test_any_rows_may_be_wrong_in_any_block(arm, changes, groups, numbers, tmp_p
     assert in_blocks == whole
 
 
-def test_a_block_is_one_of_whole_episodes(arm, monkeypatch):
-    schema = read_schema(arm)
-    [path] = [path.relative_to(arm) for path in arm.glob("data/*/*.parquet")][:1]
-    whole = read_data_file(arm, schema, path)
+def test_a_block_is_one_of_whole_episodes(monkeypatch):
+    dataset = load(STANDIN)
+    root, schema, path = dataset.root, dataset.schema, dataset.files[0].path.relative_to(dataset.root)
+    whole = read_data_file(root, schema, path)
+    assert len([*read_data_blocks(root, schema, path, least=1)]) == 1  # it fits one block, its last episode too
     monkeypatch.setattr(parquet, "_BLOCK", TINY)
-    blocks = [*read_data_blocks(arm, schema, path, least=1)]
+    blocks = [*read_data_blocks(root, schema, path, least=1)]
     assert len(blocks) > 2
     assert [block.first for block in blocks] == np.cumsum([0, *(block.n_rows for block in blocks)])[:-1].tolist()
     for name, values in whole.frames.items():
         np.testing.assert_array_equal(np.concatenate([block.frames[name] for block in blocks]), values)
     numbers = [set(block.frames["episode_index"].ravel().tolist()) for block in blocks]
     assert sum(map(len, numbers)) == len(set().union(*numbers))
-    assert len([*read_data_blocks(arm, schema, path, least=10**9)]) == 1
+    assert len([*read_data_blocks(root, schema, path, least=10**9)]) == 1
 
 
 def test_an_inspection_beside_an_audit_in_blocks_is_the_same(arm, monkeypatch, head):

@@ -478,7 +478,7 @@ def _nearest(marks: Array) -> tuple[Floats, Ints]:
     for ahead in range(1, min(_NEIGHBOURS, n - 1) + 1):
         one, other = slice(-ahead), slice(ahead, None)
         between = np.subtract(scaled[..., one], scaled[..., other], out=room[..., one])
-        apart = np.square(between, out=between).mean(axis=1)  # (n_marks, n)
+        apart = np.einsum("mcn,mcn->mn", between, between) / n_columns  # (n_marks, n)
         common = np.isfinite(apart).sum(axis=0)
         far = np.sqrt(np.nansum(apart, axis=0) / np.maximum(common, 1))
         far[(common < _COMMON) | (moves[one] < _TELLING)] = np.inf

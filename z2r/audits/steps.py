@@ -115,23 +115,24 @@ def run_sums(values: Array, starts: Ints, fps: float | None = None) -> tuple[Run
     count = np.diff(starts, append=len(values))
     n_moving, prints = np.zeros(len(values), dtype=np.int16), np.zeros(len(values), dtype=np.uint64)
     stats, steps = [], []
+    room = np.empty((5, len(values)))  # once for all columns: to get memory anew for each takes longer than to use it
+    numbers, change, size, spare = *room[:3], room[3:]
     # Of a run, where a third difference would reach into the run before.
     begins = np.minimum(starts[:, None] + np.arange(3), len(values) - 1).ravel()
     # One column after another: numpy reduces adjacent numbers many times faster, and what is at hand stays in a cache.
     for column in values.T:
-        numbers = column.astype(np.float64)
+        numbers[:] = column
         if fps is not None:
             prints *= _MIXERS[0]
-            prints += (numbers + 0.0).view(np.uint64)  # of 0 there are two, which differ in a bit
+            prints += np.add(numbers, 0.0, out=spare[0]).view(np.uint64)  # of 0 there are two, which differ in a bit
         if (numbers == numbers[0]).all():  # a target that rests, a gripper that nobody used
             of_stats, of_steps = _still_column(numbers[starts], count)
         else:
-            change = change_in_runs(numbers, starts)
-            size = np.abs(change)
-            moving = size > 0
+            change_in_runs(numbers, starts, change)
+            moving = np.abs(change, out=size) > 0
             n_moving += moving
-            of_stats = _column_stats(numbers, change, size, starts, count)
-            of_steps = _column_steps(numbers, change, size, moving, of_stats, starts, count, begins)
+            of_stats = _column_stats(numbers, change, size, starts, count, spare)
+            of_steps = _column_steps(numbers, change, size, moving, of_stats, starts, count, begins, spare)
         stats.append(of_stats)
         steps.append(of_steps)
     return (
@@ -145,9 +146,9 @@ def run_sums(values: Array, starts: Ints, fps: float | None = None) -> tuple[Run
     )
 
 
-def change_in_runs(values: Floats, starts: Ints) -> Floats:
+def change_in_runs(values: Floats, starts: Ints, out: Floats | None = None) -> Floats:
     """Return the change from the frame before, 0 in the first of each run: float64[n_rows]."""
-    change = np.empty(len(values))  # of zeros, each would be written twice
+    change = np.empty(len(values)) if out is None else out
     np.subtract(values[1:], values[:-1], out=change[1:])
     change[starts] = 0
     return change
@@ -171,23 +172,28 @@ def _stacked(columns: Sequence[dict[str, Any]]) -> dict[str, Any]:
 def _still_column(first: Floats, count: Ints) -> tuple[dict[str, Floats], dict[str, Any]]:
     """Sum up a column that never changes: all of its frames say what the first of each run does."""
     still, starts, once = np.zeros(len(first)), np.arange(len(first)), np.ones_like(count)
-    stats = _column_stats(first, still, still, starts, once)
-    steps = _column_steps(first, still, still, still > 0, stats, starts, once, starts)
+    spare = np.empty((2, len(first)))
+    stats = _column_stats(first, still, still, starts, once, spare)
+    steps = _column_steps(first, still, still, still > 0, stats, starts, once, starts, spare)
     return stats, steps | dict.fromkeys(("at_low", "at_high"), count.astype(np.int32))
 
 
-def _column_stats(values: Floats, change: Floats, size: Floats, starts: Ints, count: Ints) -> dict[str, Floats]:
+def _column_stats(
+    values: Floats, change: Floats, size: Floats, starts: Ints, count: Ints, spare: Floats
+) -> dict[str, Floats]:
+    """Sum up a column for `RunStats`; `spare`, (2, n_rows), is memory that is written over."""
     low, high = np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)
     mean = np.clip(np.add.reduceat(values, starts) / count, low, high)  # of one and the same value, that value
-    back, falls = np.empty(len(size)), np.signbit(change)  # how far it goes back at once from where it went
+    back, falls = spare[0], np.signbit(change)  # how far it goes back at once from where it went
     np.minimum(size[:-1], size[1:], out=back[:-1])
     back[:-1] *= falls[:-1] != falls[1:]
     back[-1] = 0
+    off = np.subtract(values, np.repeat(mean, count), out=spare[1])
     return {
         "low": low,
         "high": high,
         "mean": mean,
-        "squares": np.add.reduceat(np.square(values - np.repeat(mean, count)), starts),
+        "squares": np.add.reduceat(np.square(off, out=off), starts),
         "step": np.maximum.reduceat(size, starts),
         "spike": np.maximum.reduceat(back, starts),
     }
@@ -202,7 +208,9 @@ def _column_steps(
     starts: Ints,
     count: Ints,
     begins: Ints,
+    spare: Floats,
 ) -> dict[str, Any]:
+    """Sum up a column for `RunSteps`; `spare`, (2, n_rows), is memory that is written over."""
     at, around = np.zeros(len(starts), np.int32), np.zeros(len(starts))
     largest = moving & (size == np.repeat(stats["step"], count))
     hits = np.flatnonzero(largest)[::-1]  # the first of each run is written last
@@ -211,11 +219,12 @@ def _column_steps(
     next_one = np.minimum(hits + 1, len(size) - 1)
     after = np.where(next_one > hits, size[next_one], 0)
     around[run] = np.maximum(size[np.maximum(hits - 1, 0)], after)  # 0 where a run begins
-    third = np.empty(len(size))
-    second = change[1:] - change[:-1]
-    np.subtract(second[2:], second[1:-1], out=third[3:])
+    second, third = spare
+    np.subtract(change[1:], change[:-1], out=second[1:])
+    np.subtract(second[3:], second[2:-1], out=third[3:])
     third[begins] = 0
-    squares = np.add.reduceat(np.square(third), starts)
+    made = second  # which is written over
+    squares = np.add.reduceat(np.square(third, out=made), starts)
     return {
         "at": at,
         "around": around,
@@ -223,8 +232,8 @@ def _column_steps(
         "moves": count_in_runs(moving, starts),
         "at_low": _count_at(values, stats["low"], stats["low"].min(), starts, count),
         "at_high": _count_at(values, stats["high"], stats["high"].max(), starts, count),
-        "noise": np.add.reduceat(np.abs(third), starts),
-        "alternates": np.add.reduceat(_times_the_next(third), starts) < _ALTERNATES * squares,
+        "noise": np.add.reduceat(np.abs(third, out=made), starts),
+        "alternates": np.add.reduceat(_times_the_next(third, made), starts) < _ALTERNATES * squares,
         **_stalls(size, moving, starts, count),
     }
 
@@ -237,11 +246,10 @@ def _count_at(values: Floats, ends: Floats, end: float, starts: Ints, count: Int
     return n
 
 
-def _times_the_next(values: Floats) -> Floats:
-    products = np.empty(len(values))
-    np.multiply(values[:-1], values[1:], out=products[:-1])
-    products[-1] = 0
-    return products
+def _times_the_next(values: Floats, out: Floats) -> Floats:
+    np.multiply(values[:-1], values[1:], out=out[:-1])
+    out[-1] = 0
+    return out
 
 
 def _stalls(size: Floats, moving: Bools, starts: Ints, count: Ints) -> dict[str, Any]:

@@ -149,8 +149,8 @@ class _Tasks(NamedTuple):
     """The tasks of one episode, as its metadata names them, and as its frames have them."""
 
     episode: int
-    named: set[str]
-    there: set[str]
+    named: frozenset[str]
+    there: frozenset[str]
 
 
 @Check("episode-tasks", "the tasks of an episode are those of its frames", "error").of(Runs)
@@ -230,11 +230,11 @@ def _tasks_of_episodes(runs: Runs) -> Iterator[_Tasks]:
     tasks = runs.claims.stored.tasks.value
     if tasks is None or runs.tasks is None:
         return
-    text = dict(zip(tasks.number.tolist(), tasks.text, strict=True))
-    seen: dict[int, set[str]] = {}
+    alone = {task: frozenset([text]) for task, text in zip(tasks.number.tolist(), tasks.text, strict=True)}
+    seen: dict[int, frozenset[str]] = {}
     for episode, task in zip(runs.number[runs.tasks[:, 0]].tolist(), runs.tasks[:, 1].tolist(), strict=True):
-        if task in text:  # of one that is not, `task-index` says so
-            seen.setdefault(episode, set()).add(text[task])
+        if task in alone:  # of one that is not, `task-index` says so
+            seen[episode] = seen[episode] | alone[task] if episode in seen else alone[task]
     for shard in runs.claims.stored.episodes.value.shards:
         for episode, named in tasks_of_episodes(runs.claims.root / shard):
             there = seen.get(episode)
@@ -269,5 +269,5 @@ def _shown(text: str) -> str:
     return repr(short(text, _MAX_TEXT))
 
 
-def _listed(texts: set[str]) -> str:
+def _listed(texts: frozenset[str]) -> str:
     return some([_shown(text) for text in sorted(texts)]) or "no task"

@@ -216,7 +216,7 @@ def _count_episodes(root: Path, wanted: frozenset[int]) -> Counter[str]:
     return Counter(chain.from_iterable(tasks for number, tasks in _all_episodes(root) if number in wanted))
 
 
-def _all_episodes(root: Path) -> Iterator[tuple[int, set[str]]]:
+def _all_episodes(root: Path) -> Iterator[tuple[int, frozenset[str]]]:
     return chain.from_iterable(tasks_of_episodes(shard) for shard in shard_paths(root))
 
 
@@ -229,7 +229,7 @@ def read_task_texts(root: Path, numbers: Ints) -> list[str] | None:
     return ["; ".join(sorted(said.get(number, ()))) for number in numbers.tolist()]
 
 
-def tasks_of_episodes(shard: Path) -> Iterator[tuple[int, set[str]]]:
+def tasks_of_episodes(shard: Path) -> Iterator[tuple[int, frozenset[str]]]:
     """Yield the `episode_index` and the tasks of every episode in one metadata shard.
 
     Raises

@@ -397,10 +397,10 @@ def texts(file: pq.ParquetFile, column: str, path: Path) -> list[str | None]:
     return said
 
 
-def text_sets(file: pq.ParquetFile, column: str, path: Path) -> Iterator[set[str]]:
+def text_sets(file: pq.ParquetFile, column: str, path: Path) -> Iterator[frozenset[str]]:
     """Yield the texts in each row of a column of lists of text.
 
-    Each text is held once in a row group, however often it stands there: a small file may repeat a long one.
+    Each text and set is held once in a row group, however often it stands there: a small file may repeat a long one.
 
     Raises
     ------
@@ -419,12 +419,16 @@ def text_sets(file: pq.ParquetFile, column: str, path: Path) -> Iterator[set[str
         raise _unreadable(path, error) from error
 
 
-def _text_sets(lists: pa.Array, column: str, path: Path) -> Iterator[set[str]]:
+def _text_sets(lists: pa.Array, column: str, path: Path) -> Iterator[frozenset[str]]:
     if not _is_lists_of_known_texts(lists.type):
         raise DatasetError(Fault(path, column, f"values of type {lists.type}", "lists of text"))
     known, places = _decoded(lists.values.dictionary, column, path), lists.values.indices.to_pylist()
+    said: dict[tuple[int | None, ...], frozenset[str]] = {}
     for start, stop in itertools.pairwise(lists.offsets.to_pylist()):
-        yield {known[place] for place in places[start:stop] if place is not None}
+        those = tuple(places[start:stop])
+        if those not in said:
+            said[those] = frozenset(known[place] for place in those if place is not None)
+        yield said[those]
 
 
 def blobs(file: pq.ParquetFile, column: str, field: str, path: Path) -> Iterator[tuple[NDArray[np.uint8], Ints]]:

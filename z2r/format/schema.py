@@ -112,7 +112,7 @@ def column_label(name: str, feature: Feature, column: int) -> str:
     return f"{name}[{column}]" if feature.size > 1 else name
 
 
-class Schema(msgspec.Struct, frozen=True):
+class Schema(msgspec.Struct, frozen=True, dict=True):
     """The schema of a dataset, and the totals that it states.
 
     Attributes
@@ -176,6 +176,10 @@ class Schema(msgspec.Struct, frozen=True):
 
     def signals(self) -> dict[str, Feature]:
         """Return the numeric features that the robot saw or did: all but the bookkeeping, pictures and depth maps."""
+        return dict(self._signals)
+
+    @cached_property
+    def _signals(self) -> dict[str, Feature]:
         return {
             name: feature
             for name, feature in self.features.items()

@@ -377,19 +377,23 @@ def _seams(before: Decoded | None, decoded: Decoded, inside: Bools, seconds: flo
     """Find where an episode begins, and the motion runs straight on."""
     smooth, begin = np.full(rows.n, np.inf), rows.starts[rows.starts > 0]
     begin = begin[~inside[begin - 1]]
-    smooth[begin] = _off_course(decoded.take(begin - 1), decoded.take(begin), seconds)
+    smooth[begin] = _off_course(_places(decoded, begin - 1), _places(decoded, begin), seconds)
     if before is not None:
-        smooth[:1] = _off_course(before.take(slice(-1, None)), decoded.take(slice(1)), seconds)
+        smooth[:1] = _off_course(_places(before, np.array([-1])), _places(decoded, np.array([0])), seconds)
     return _worst(smooth, smooth < _SMOOTH, rows)
 
 
-def _off_course(last: Decoded, first: Decoded, seconds: float) -> Floats:
-    """How far pusher or block are from where the action of the frame before would bring them."""
-    assert last.action is not None  # as `fold_block` has seen
-    poses = ((last.pose(name), first.pose(name)) for name in ("pusher", "tee"))
-    pusher, tee = (np.stack([there.x - here.x, there.y - here.y]) for here, there in poses)  # (2, n)
-    off: Floats = np.maximum(np.hypot(*(pusher - last.action.T * seconds)), np.hypot(*tee))
-    return off
+def _places(decoded: Decoded, frames: Ints) -> Floats:
+    """Return where pusher and block are in some frames, and what the action asks for: x and y of each, (6, n)."""
+    assert decoded.action is not None  # as `fold_block` has seen
+    pusher, tee = decoded.pose("pusher"), decoded.pose("tee")
+    return np.stack([each[frames] for each in (pusher.x, pusher.y, tee.x, tee.y, *decoded.action.T)])
+
+
+def _off_course(last: Floats, first: Floats, seconds: float) -> Floats:
+    """How far pusher or block are from where the action of the frame before would bring them, by `_places`."""
+    pusher, tee = first[:2] - last[:2] - last[4:] * seconds, first[2:4] - last[2:4]
+    return np.maximum(lengths(*pusher), lengths(*tee))
 
 
 def _stuck(steps: Floats, action: Floats, inside: Bools, rows: _Rows) -> Worst:

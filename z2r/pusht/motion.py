@@ -55,9 +55,10 @@ def motion_sums(velocity: Floats, action: Floats, inside: Bools, starts: Ints, l
         # Frame by frame, the action that would be the cause; where there is none, the frame does not count.
         causes = slice(far + shift + lag, far + shift + lag + n)
         counts = (known & (hangs[causes] == segment)).astype(np.float64)
+        sums[:, place, 0] = np.add.reduceat(counts, starts)[:, None]
         for axis, (a, v) in enumerate(zip(asked[:, causes], moved, strict=True)):
             cause, effect = a * counts, v * counts
-            for row, values in enumerate((counts, cause, effect, cause * a, effect * v, cause * v)):
+            for row, values in enumerate((cause, effect, cause * a, effect * v, cause * v), start=1):
                 sums[:, place, row, axis] = np.add.reduceat(values, starts)
     return sums
 

@@ -26,9 +26,10 @@ def wrap_angle(angle: ArrayLike) -> Floats:
     >>> float(np.rad2deg(wrap_angle(np.deg2rad(179 - -179))).round(6))
     -2.0
     """
-    wrapped = np.array(angle, dtype=np.float64)
-    beyond = (wrapped < -np.pi) | (wrapped >= np.pi)  # few: a remainder takes ten times as long as to look
-    wrapped[beyond] = np.mod(wrapped[beyond] + np.pi, 2 * np.pi) - np.pi
+    turned = np.asarray(np.asarray(angle, dtype=np.float64) + np.pi)
+    beyond = (turned < 0) | (turned >= 2 * np.pi)  # few: a remainder takes ten times as long as to look
+    turned[beyond] = np.mod(turned[beyond], 2 * np.pi)
+    wrapped = np.asarray(turned - np.pi)
     # Rounding can carry a tiny negative angle + pi to a whole turn, which is the excluded end of the interval.
     wrapped[wrapped >= np.pi] = -np.pi
     return wrapped
