@@ -553,7 +553,6 @@ def audit(
     from z2r.api import audit as audit_dataset
     from z2r.audits.baseline import read_baseline
     from z2r.format.schema import read_schema
-    from z2r.show.formats import FORMATS
     from z2r.show.terminal import audit_report, console, progress
 
     quiet = form != "text"
@@ -583,6 +582,8 @@ def audit(
     if keep:
         _write_kept(found, keep, screen, root)
     if quiet:
+        from z2r.show.formats import FORMATS
+
         click.echo(FORMATS[form](told, root, ALL_CHECKS))
     sys.exit(told.exit_code)
 

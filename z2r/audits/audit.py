@@ -350,7 +350,7 @@ def _fold_files[T](
     schema, numbers, pairs = claims.schema, claims.stored.task_numbers, pairs_of(claims.schema, claims.reading)
     n_moments = moments_to_keep(schema, len(claims.table.number))
     fold = partial(_fold_block, claims.root, schema, numbers, claims.reading, pairs, scene, pictures, n_moments)
-    work = partial(_read_and_fold, claims.root, schema, _wants_whole_files(claims), fold, beside)
+    work = partial(_read_and_fold, _reader(claims, len(files)), fold, beside, schema)
     sums, pile, made = [], Pile(len(claims.table.number)), []
     for part, other in in_order(work, files, executor):
         if part.n_rows:
@@ -361,9 +361,15 @@ def _fold_files[T](
     return sums, pile.whole, made
 
 
-def _wants_whole_files(claims: Claims) -> bool:
-    """Tell whether a data file is read at once: a misreading and pictures ask of all of its frames."""
-    return claims.misread is not None or any(feature.dtype == "image" for feature in claims.schema.features.values())
+def _reader(claims: Claims, n_files: int) -> Callable[[Path], Iterator[DataColumns]]:
+    """Return what reads a data file: in blocks, or at once, as a misreading and pictures ask of all of its frames."""
+    if claims.misread is not None or any(feature.dtype == "image" for feature in claims.schema.features.values()):
+        return partial(_read_whole, claims.root, claims.schema)
+    return partial(read_data_blocks, claims.root, claims.schema, least=HEAD_FRAMES, alone=n_files == 1)
+
+
+def _read_whole(root: Path, schema: Schema, path: Path) -> Iterator[DataColumns]:
+    yield read_data_file(root, schema, path)
 
 
 class _Block(NamedTuple):
@@ -392,15 +398,14 @@ class _Block(NamedTuple):
 
 
 def _read_and_fold[T](
-    root: Path,
-    schema: Schema,
-    whole: bool,
+    reader: Callable[[Path], Iterator[DataColumns]],
     fold: Callable[[FileClaims, DataColumns, _Block], _Block],
     beside: Callable[[Path, DataColumns], T] | None,
+    schema: Schema,
     claims: FileClaims,
 ) -> tuple[FileSums, list[T]]:
     """Read one data file, once for all who want to know of it, and in blocks where it is large."""
-    blocks, nothing = _read(root, schema, whole, claims.path), _Block(FileSums(None, []), [])
+    blocks, nothing = reader(claims.path), _Block(FileSums(None, []), [])
     while True:
         try:
             read = next(blocks, None)
@@ -420,13 +425,6 @@ def _read_and_fold[T](
         n_rows = None if read.n_rows is None else read.first + read.n_rows
         file = FileColumns(claims, schema, read._replace(first=0, n_rows=n_rows, frames={}))
     return _with_findings(pile.whole, file, said), made
-
-
-def _read(root: Path, schema: Schema, whole: bool, path: Path) -> Iterator[DataColumns]:
-    if whole:
-        yield read_data_file(root, schema, path)
-    else:
-        yield from read_data_blocks(root, schema, path, HEAD_FRAMES)
 
 
 def _with_findings(sums: FileSums, file: FileColumns, said: Sequence[Said]) -> FileSums:

@@ -379,7 +379,7 @@ def _stray(asked: Floats, seen: Floats, starts: Ints, stops: Ints, usual: Usual)
     if usual.lag is None or usual.lag.kind:
         return {"beside": worst, "beside_at": at}
     lag = usual.lag.lag
-    beside = np.roll(seen, -lag)
+    beside = _with_an_end(seen, lag)[:-1]
     beside *= usual.factor
     np.subtract(asked, beside, out=beside)
     beside -= usual.mean_asked - usual.factor * usual.mean_seen
@@ -393,7 +393,8 @@ def _stray(asked: Floats, seen: Floats, starts: Ints, stops: Ints, usual: Usual)
     ends = np.stack([first[long], last[long]], axis=1).ravel()
     worst[long] = np.maximum.reduceat(mean, ends)[::2]
     levels = np.stack([np.full(long.sum(), np.nan), worst[long]], axis=1).ravel()  # between runs, and in them
-    level = np.repeat(np.append(levels, np.nan), np.diff(ends, prepend=0, append=len(mean)))
+    bounds = np.concatenate([[0], ends, [len(mean)]])
+    level = np.repeat(np.concatenate([levels, [np.nan]]), bounds[1:] - bounds[:-1])
     hits = np.flatnonzero(mean == level)[::-1]  # the first of each run is written last
     run = run_of(hits, starts)
     at[run] = hits - starts[run]
@@ -489,8 +490,9 @@ def _fit_runs(
     last = np.maximum(last, first)
     n, ends = np.maximum(last - first, 1), np.stack([first, last], axis=1).ravel()
     centre_a, centre_s = centre
-    asked = np.append(asked - centre_a, 0.0)  # so that the last run, too, has an end in it
-    seen = np.append(np.roll(seen - centre_s, -lag), 0.0)
+    asked, seen = _with_an_end(asked, 0), _with_an_end(seen, lag)
+    asked -= centre_a
+    seen -= centre_s
 
     def means(values: Floats) -> Floats:
         mean: Floats = np.where(first < last, np.add.reduceat(values, ends)[::2], 0.0) / n
@@ -510,6 +512,12 @@ def _fit_runs(
         "mean_asked": mean_a + centre_a,
         "mean_seen": mean_s + centre_s,
     }
+
+
+def _with_an_end(values: Floats, lag: int) -> Floats:
+    """Return values so many frames earlier, then the others, and one more: the last run, too, has an end there."""
+    first = lag % len(values)
+    return np.concatenate([values[first:], values[:first], [0.0]])
 
 
 def _command(pair: Pair, columns: Columns) -> Floats:

@@ -16,6 +16,7 @@ _MARKS = 12  # frames of a run, evenly from its start, which tell one demonstrat
 _TURNS, _A_TURN = (2 * np.pi, 360.0), 0.05  # rad and deg; of it: so much may come to it in one frame
 _MARK_EVERY = 0.27  # s
 _ALTERNATES = -0.4  # of the squares
+_FEW = 8  # runs, at which to look one by one
 _MIXERS = 2 * np.random.default_rng(0).integers(2**63, size=8, dtype=np.uint64) + 1  # odd
 NO_SKETCH = np.iinfo(np.uint64).max
 
@@ -183,7 +184,8 @@ def _column_stats(
 ) -> dict[str, Floats]:
     """Sum up a column for `RunStats`; `spare`, (2, n_rows), is memory that is written over."""
     low, high = np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)
-    mean = np.clip(np.add.reduceat(values, starts) / count, low, high)  # of one and the same value, that value
+    mean = np.add.reduceat(values, starts) / count
+    mean = np.minimum(np.maximum(mean, low), high)  # of one and the same value, that value
     back, falls = spare[0], np.signbit(change)  # how far it goes back at once from where it went
     np.minimum(size[:-1], size[1:], out=back[:-1])
     back[:-1] *= falls[:-1] != falls[1:]
@@ -240,9 +242,12 @@ def _column_steps(
 
 def _count_at(values: Floats, ends: Floats, end: float, starts: Ints, count: Ints) -> Counts:
     """Count the frames at an end of the range, in the runs that come to it: few, but for a limit or a gripper."""
-    n, there = np.zeros(len(starts), dtype=np.int32), ends == end
-    frames = values[np.repeat(there, count)]
-    n[there] = count_in_runs(frames == end, np.cumsum(count[there]) - count[there])
+    runs = np.flatnonzero(ends == end)
+    if len(runs) > _FEW:
+        return count_in_runs(values == end, starts)
+    n = np.zeros(len(starts), dtype=np.int32)
+    for run in runs:
+        n[run] = np.count_nonzero(values[starts[run] : starts[run] + count[run]] == end)
     return n
 
 

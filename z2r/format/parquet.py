@@ -71,7 +71,9 @@ def _range(chunk: pq.ColumnChunkMetaData) -> tuple[int, int]:
     return start, start + chunk.total_compressed_size
 
 
-def read_columns(file: pq.ParquetFile, path: Path, columns: Sequence[str], n_rows: int | None = None) -> pa.Table:
+def read_columns(
+    file: pq.ParquetFile, path: Path, columns: Sequence[str], n_rows: int | None = None, *, alone: bool = True
+) -> pa.Table:
     """Read columns of an open parquet file.
 
     Parameters
@@ -84,6 +86,8 @@ def read_columns(file: pq.ParquetFile, path: Path, columns: Sequence[str], n_row
         Names of top-level columns.
     n_rows : int, optional
         Read no more row groups than the first `n_rows` rows need. All rows unless given.
+    alone : bool, optional
+        Whether no other file is read beside this one: if one is, threads for each column get in its way.
 
     Returns
     -------
@@ -102,7 +106,7 @@ def read_columns(file: pq.ParquetFile, path: Path, columns: Sequence[str], n_row
         if is_far(path):
             _fetch(file, columns, groups)
         # To hand a small file over to other threads costs more than to read it.
-        table = file.read_row_groups(groups, columns=list(columns), use_threads=claimed * a_row > _SMALL)
+        table = file.read_row_groups(groups, columns=list(columns), use_threads=alone and claimed * a_row > _SMALL)
     except _UNREADABLE as error:
         raise _unreadable(path, error) from error
     _check_rows(path, len(table), claimed)
@@ -161,13 +165,13 @@ def _holds(file: pq.ParquetFile, n_rows: int, counts: Mapping[int, int]) -> bool
 
 
 def read_blocks(
-    file: pq.ParquetFile, path: Path, columns: Sequence[str], n_rows: int | None = None
+    file: pq.ParquetFile, path: Path, columns: Sequence[str], n_rows: int | None = None, *, alone: bool = True
 ) -> Iterator[pa.Table]:
     """Read columns as `read_columns` does, so many rows at a time that memory does not grow with the file.
 
     Parameters
     ----------
-    file, path, columns, n_rows
+    file, path, columns, n_rows, alone
         As for `read_columns`.
 
     Yields
@@ -184,7 +188,7 @@ def read_blocks(
     claimed, a_row = _check_claims(file, path, columns, n_rows, _MAX_NUMBERS_OF_A_FILE)
     at_once, n_read = max(1, _BLOCK // a_row), 0
     if claimed <= at_once:
-        yield read_columns(file, path, columns, n_rows)
+        yield read_columns(file, path, columns, n_rows, alone=alone)
         return
     for groups in _blocks_of_row_groups(file, _leading_row_groups(file, n_rows), at_once):
         try:  # opened anew: what was read of the file before need not stay in memory
@@ -193,7 +197,7 @@ def read_blocks(
             part = _opened(opened, metadata=file.metadata, buffer_size=buffer, pre_buffer=False)
             if far:
                 _fetch(part, columns, groups)
-            for batch in part.iter_batches(at_once, row_groups=groups, columns=list(columns)):
+            for batch in part.iter_batches(at_once, row_groups=groups, columns=list(columns), use_threads=alone):
                 n_read += len(batch)
                 yield pa.Table.from_batches([batch])
         except _UNREADABLE as error:

@@ -353,7 +353,9 @@ def _is_once(name: str, feature: Feature, stored: pa.Schema) -> bool:
     return feature.is_numeric and stored.names.count(name) == 1
 
 
-def read_data_blocks(root: Path, schema: Schema, path: Path, least: int) -> Iterator[DataColumns]:
+def read_data_blocks(
+    root: Path, schema: Schema, path: Path, least: int, *, alone: bool = True
+) -> Iterator[DataColumns]:
     """Read what `read_data_file` does, some episodes at a time, so that memory does not grow with the file.
 
     Only an episode is held at once, however long it is, and so is a file that does not say which episodes it holds.
@@ -364,6 +366,8 @@ def read_data_blocks(root: Path, schema: Schema, path: Path, least: int) -> Iter
         As for `read_data_file`.
     least : int
         So many rows has the first block, where the file has as many.
+    alone : bool, optional
+        Whether no other file is read beside this one.
 
     Yields
     ------
@@ -377,11 +381,13 @@ def read_data_blocks(root: Path, schema: Schema, path: Path, least: int) -> Iter
         large = _too_large(schema, path, opened)
         seen: list[DataColumns] = []
         n_rows = opened.metadata.num_rows
-        blocks = _of_whole_episodes(_until_broken(_blocks(opened, whole, schema, path, large), seen), least, n_rows)
+        blocks = _of_whole_episodes(
+            _until_broken(_blocks(opened, whole, schema, path, large, alone), seen), least, n_rows
+        )
         yield from (_also_misshapen(block, large) for block in blocks)
         found = _join_blocks(seen)
         if len(seen) > 1 and found.broken:
-            again = _blocks(opened, whole, schema, path, found.broken | large.keys())
+            again = _blocks(opened, whole, schema, path, found.broken | large.keys(), alone)
             blocks = _of_whole_episodes(again, least, n_rows)
             yield from (_also_misshapen(_saying_of(found, each), large) for each in blocks)
     except DatasetError as error:
@@ -389,11 +395,11 @@ def read_data_blocks(root: Path, schema: Schema, path: Path, least: int) -> Iter
 
 
 def _blocks(
-    opened: pq.ParquetFile, whole: Path, schema: Schema, path: Path, left_out: Collection[str]
+    opened: pq.ParquetFile, whole: Path, schema: Schema, path: Path, left_out: Collection[str], alone: bool
 ) -> Iterator[DataColumns]:
     stored, first = opened.schema_arrow, 0
     wanted = [name for name in _wanted(schema, stored) if name not in left_out]
-    for table in read_blocks(opened, whole, wanted):
+    for table in read_blocks(opened, whole, wanted, alone=alone):
         yield _data_columns(schema, path, stored, wanted, table, first)
         first += len(table)
 

@@ -41,7 +41,8 @@ def motion_sums(velocity: Floats, action: Floats, inside: Bools, starts: Ints, l
     Returns
     -------
     ndarray, float64[n_episodes, n_shifts, 6, 2]
-        Number of frames, sums of action a and velocity v, and of a², v² and a v.
+        Number of frames, sums of action a and velocity v, and of a², v² and a v. NaN but for the first shift, where all
+        episodes are explained so well by it that no other can be clearly better.
     """
     n, far = len(action), max(map(abs, SHIFTS)) + abs(lag)
     segment = np.concatenate([[0], np.cumsum(~inside)])  # the same number where frames hang together
@@ -50,8 +51,10 @@ def motion_sums(velocity: Floats, action: Floats, inside: Bools, starts: Ints, l
     moved[:, :-1], asked[:, far : far + n] = velocity.T, action.T
     hangs, known = np.full(n + 2 * far, -1), np.append(inside, False)
     hangs[far : far + n] = segment
-    sums = np.empty((2, 6, len(SHIFTS), len(starts))).T  # in memory, episodes lie beside each other
+    sums = np.full((2, 6, len(SHIFTS), len(starts)), np.nan).T  # in memory, episodes lie beside each other
     for place, shift in enumerate(SHIFTS):
+        if place and _surely_at_once(sums):
+            break
         # Frame by frame, the action that would be the cause; where there is none, the frame does not count.
         causes = slice(far + shift + lag, far + shift + lag + n)
         counts = (known & (hangs[causes] == segment)).astype(np.float64)
@@ -61,6 +64,13 @@ def motion_sums(velocity: Floats, action: Floats, inside: Bools, starts: Ints, l
             for row, values in enumerate((cause, effect, cause * a, effect * v, cause * v), start=1):
                 sums[:, place, row, axis] = np.add.reduceat(values, starts)
     return sums
+
+
+def _surely_at_once(sums: Floats) -> bool:
+    """Tell whether the first shift explains all episodes so well that no other can be clearly better."""
+    fit = _fit(sums[:, :1])
+    strength = np.abs(fit.correlation[:, 0]).mean(axis=1)
+    return bool(((strength >= 1 - _CLEARLY) | (fit.n < _MIN_STEPS)).all())
 
 
 def motion_faults(episodes: Ints, parts: Floats) -> Iterator[Answer]:
@@ -79,7 +89,7 @@ def motion_faults(episodes: Ints, parts: Floats) -> Iterator[Answer]:
     else:
         motion = np.zeros((len(numbers), *parts.shape[1:]))
         np.add.at(motion, place, parts)
-    fit, of_all = _fit(motion), _fit(motion.sum(axis=0, keepdims=True))
+    fit, of_all = _fit(motion), _fit(np.nansum(motion, axis=0, keepdims=True))
     fault, fault_of_all = _faults(fit), _faults(of_all)
     wrong = np.flatnonzero(fault)
     if fault_of_all.any() and (not len(wrong) or len(wrong) > len(numbers) / 2):
@@ -112,7 +122,7 @@ def _fit(motion: Floats) -> _Fit:
         correlation = (n * av - a * v) / (spreads[0] * spreads[1] * np.square(n))
         asked, moved = np.sqrt(aa[:, 0] / n[:, 0]), np.sqrt(vv[:, 0] / n[:, 0])
         scale = av[:, 0] / aa[:, 0]
-    return _Fit(n.min(axis=(1, 2)), asked, moved, spreads.min(axis=(0, 2, 3)), correlation, scale)
+    return _Fit(n[:, 0].min(axis=1), asked, moved, spreads[:, :, 0].min(axis=(0, 2)), correlation, scale)
 
 
 def _one_is_still(fit: _Fit) -> Bools:
@@ -125,13 +135,14 @@ def _faults(fit: _Fit) -> Ints:
     """Say what is wrong with each row; nothing is said of a few steps, or of an axis along which nothing changes."""
     with np.errstate(invalid="ignore"):
         strength = np.abs(fit.correlation).mean(axis=2)
+        strongest = np.fmax.reduce(strength, axis=1)  # of those that are known
         enough = fit.n >= _MIN_STEPS
         comparable = enough & (fit.spread >= STILL)
         return np.select(
             [
                 enough & _one_is_still(fit).any(axis=1),
-                comparable & (strength.max(axis=1) < _EXPLAINS),
-                comparable & (strength.max(axis=1) > strength[:, 0] + _CLEARLY),
+                comparable & (strongest < _EXPLAINS),
+                comparable & (strongest > strength[:, 0] + _CLEARLY),
                 comparable & (fit.correlation[:, 0].min(axis=1) < 0),
                 comparable & ((fit.scale.min(axis=1) < _SCALES[0]) | (fit.scale.max(axis=1) > _SCALES[1])),
             ],
@@ -153,9 +164,9 @@ def _say(fit: _Fit, fault: Ints, row: int) -> tuple[str, str, str]:
         return f"a correlation of {correlation[0].mean():.2f}", "the action to move the pusher", mend
     if fault[row] == _SHIFTED:
         strength = np.abs(correlation).mean(axis=1)
-        shift = SHIFTS[int(strength.argmax())]
+        shift = SHIFTS[int(np.nanargmax(strength))]
         late = f"{count(abs(shift), 'frame')} {'after' if shift < 0 else 'before'}"
-        expected = f"it at once (correlation {strength.max():.2f} there, {strength[0]:.2f} at once)"
+        expected = f"it at once (correlation {np.nanmax(strength):.2f} there, {strength[0]:.2f} at once)"
         mend = "Actions and observations are shifted against each other"
         return f"the best match {late} the action is stored", expected, mend
     if fault[row] == _AGAINST:
