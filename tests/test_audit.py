@@ -638,7 +638,7 @@ def test_a_reader_that_fails_is_a_finding_and_not_the_end(reader, mode, monkeypa
     known = {finding.check for finding in wrong_in(z2r.audit(z2r.STANDIN, believed))}
     for module in (claims_module, audit_module):
         if hasattr(module, reader):
-            monkeypatch.setattr(module, reader, lambda *_: 1 / 0)
+            monkeypatch.setattr(module, reader, lambda *_, **__: 1 / 0)
     audit = z2r.audit(z2r.STANDIN, believed)
     assert audit.exit_code
     assert {finding.check for finding in wrong_in(audit)} - known == {AUDIT.name}

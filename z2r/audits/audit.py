@@ -350,7 +350,8 @@ def _fold_files[T](
     schema, numbers, pairs = claims.schema, claims.stored.task_numbers, pairs_of(claims.schema, claims.reading)
     n_moments = moments_to_keep(schema, len(claims.table.number))
     fold = partial(_fold_block, claims.root, schema, numbers, claims.reading, pairs, scene, pictures, n_moments)
-    work = partial(_read_and_fold, _reader(claims, len(files)), fold, beside, schema)
+    read = partial(_read, claims.root, schema, _wants_whole_files(claims), len(files) == 1)
+    work = partial(_read_and_fold, read, fold, beside, schema)
     sums, pile, made = [], Pile(len(claims.table.number)), []
     for part, other in in_order(work, files, executor):
         if part.n_rows:
@@ -361,15 +362,16 @@ def _fold_files[T](
     return sums, pile.whole, made
 
 
-def _reader(claims: Claims, n_files: int) -> Callable[[Path], Iterator[DataColumns]]:
-    """Return what reads a data file: in blocks, or at once, as a misreading and pictures ask of all of its frames."""
-    if claims.misread is not None or any(feature.dtype == "image" for feature in claims.schema.features.values()):
-        return partial(_read_whole, claims.root, claims.schema)
-    return partial(read_data_blocks, claims.root, claims.schema, least=HEAD_FRAMES, alone=n_files == 1)
+def _wants_whole_files(claims: Claims) -> bool:
+    """Tell whether a data file is read at once: a misreading and pictures ask of all of its frames."""
+    return claims.misread is not None or any(feature.dtype == "image" for feature in claims.schema.features.values())
 
 
-def _read_whole(root: Path, schema: Schema, path: Path) -> Iterator[DataColumns]:
-    yield read_data_file(root, schema, path)
+def _read(root: Path, schema: Schema, whole: bool, alone: bool, path: Path) -> Iterator[DataColumns]:
+    if whole:
+        yield read_data_file(root, schema, path)
+    else:
+        yield from read_data_blocks(root, schema, path, HEAD_FRAMES, alone=alone)
 
 
 class _Block(NamedTuple):
@@ -398,14 +400,14 @@ class _Block(NamedTuple):
 
 
 def _read_and_fold[T](
-    reader: Callable[[Path], Iterator[DataColumns]],
+    read_file: Callable[[Path], Iterator[DataColumns]],
     fold: Callable[[FileClaims, DataColumns, _Block], _Block],
     beside: Callable[[Path, DataColumns], T] | None,
     schema: Schema,
     claims: FileClaims,
 ) -> tuple[FileSums, list[T]]:
     """Read one data file, once for all who want to know of it, and in blocks where it is large."""
-    blocks, nothing = reader(claims.path), _Block(FileSums(None, []), [])
+    blocks, nothing = read_file(claims.path), _Block(FileSums(None, []), [])
     while True:
         try:
             read = next(blocks, None)
