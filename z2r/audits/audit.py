@@ -418,8 +418,7 @@ def _read_and_fold[T](
         if read.first == 0:
             block, pile, said, made = nothing, Pile(len(claims.numbers)), list[Said](), list[T]()
         made += [beside(claims.path, read)] if beside else []
-        with _FOLDING:
-            block = fold(claims, read, block)
+        block = fold(claims, read, block)
         if block.sums.n_rows is None and block.sums.findings:
             return block.sums, made
         pile.add(block.sums._replace(n_rows=None))
@@ -452,37 +451,38 @@ def _fold_block(
     """Ask of the rows of a block all that there is to ask, and keep what others are held against."""
     try:
         frames = FileFrames(claims, schema, tasks, claims.taken(read), last.before)
-        said = [*answers(asked_of(FileFrames, PARTS), frames)]
         if not frames.read.n_rows:
-            return _Block(FileSums(frames.read.n_rows, []), said)
+            return _Block(FileSums(frames.read.n_rows, []), [*answers(asked_of(FileFrames, PARTS), frames)])
         images = read_file_images(root, frames)
-        findings = [*ask(asked_of(FileImages, PARTS), images)]
-        number, starts, signals = frames.counts.get("episode_index"), frames.run_starts, frames.signals
-        marked = {STATE: schema.fps}
-        sums = {name: run_sums(signal, starts, marked.get(name)) for name, signal in signals.items()}
-        stats = {name: stats for name, (stats, _) in sums.items()}
-        task_pairs = fold_tasks(frames)
-        following, usual = fold_following(pairs, signals, stats, starts, frames.head, last.usual)
-        idle, reach = fold_idle(frames, stats, last.reach)
-        seen, last_seen = _fold_scene(scene, frames, reading, last.last, findings)
-        kept = FileSums(
-            n_rows=frames.read.n_rows,
-            findings=findings,
-            starts=read.first + starts,
-            numbers=None if number is None else number[starts],
-            stats=stats,
-            steps={name: steps for name, (_, steps) in sums.items() if moves(name)},
-            following=following,
-            labels=fold_labels(frames, reading),
-            scene=seen,
-            idle=idle,
-            tasks=None if task_pairs is None else task_pairs + np.array([last.n_runs, 0]),
-            images=sum_images(images),
-            places=sum_places(frames) if pictures else None,
-            moments=keep_moments(schema, signals, starts, n_moments),
-            comes=fold_comes(frames),
-        )
-        return _Block(kept, said, last.n_runs + len(starts), index.known_after(frames), usual, reach, last_seen)
+        with _FOLDING:
+            said = [*answers(asked_of(FileFrames, PARTS), frames)]
+            findings = [*ask(asked_of(FileImages, PARTS), images)]
+            number, starts, signals = frames.counts.get("episode_index"), frames.run_starts, frames.signals
+            marked = {STATE: schema.fps}
+            sums = {name: run_sums(signal, starts, marked.get(name)) for name, signal in signals.items()}
+            stats = {name: stats for name, (stats, _) in sums.items()}
+            task_pairs = fold_tasks(frames)
+            following, usual = fold_following(pairs, signals, stats, starts, frames.head, last.usual)
+            idle, reach = fold_idle(frames, stats, last.reach)
+            seen, last_seen = _fold_scene(scene, frames, reading, last.last, findings)
+            kept = FileSums(
+                n_rows=frames.read.n_rows,
+                findings=findings,
+                starts=read.first + starts,
+                numbers=None if number is None else number[starts],
+                stats=stats,
+                steps={name: steps for name, (_, steps) in sums.items() if moves(name)},
+                following=following,
+                labels=fold_labels(frames, reading),
+                scene=seen,
+                idle=idle,
+                tasks=None if task_pairs is None else task_pairs + np.array([last.n_runs, 0]),
+                images=sum_images(images),
+                places=sum_places(frames) if pictures else None,
+                moments=keep_moments(schema, signals, starts, n_moments),
+                comes=fold_comes(frames),
+            )
+            return _Block(kept, said, last.n_runs + len(starts), index.known_after(frames), usual, reach, last_seen)
     except Exception as error:
         return _Block(FileSums(None, [failed(claims.path.as_posix(), error)]), [])
 
