@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+_BLAS_ALONE = 200_000  # multiplications: OpenBLAS takes one thread for so few
 _ROWS_AT_ONCE = 256  # so many of some numbers each fit into the nearest cache
 
 type Ints = NDArray[np.int64]
@@ -151,6 +152,32 @@ def sum_parts(values: Array, starts: Ints, stops: Ints) -> Floats:
     sums = [values[start:stop].sum(axis=0, dtype=np.float64) for start, stop in zip(starts, stops, strict=True)]
     total: Floats = np.sum(sums, axis=0)
     return total
+
+
+def products[T: np.floating](one: NDArray[T], other: NDArray[T]) -> NDArray[T]:
+    """Return ``one.T @ other``, of (n, k) and (n, l): (k, l).
+
+    In blocks that BLAS multiplies in one thread: its threads cost more than they save.
+
+    >>> products(np.array([[1.0, 2.0], [3.0, 4.0]]), np.array([[1.0], [10.0]])).tolist()
+    [[31.0], [42.0]]
+    """
+    size = max(_BLAS_ALONE // max(one.shape[1] * other.shape[1], 1), 1)
+    whole = len(one) // size * size
+    first, second = (each[:whole].reshape(-1, size, each.shape[1]) for each in (one, other))
+    summed: NDArray[T] = (first.transpose(0, 2, 1) @ second).sum(axis=0) + one[whole:].T @ other[whole:]
+    return summed
+
+
+def times[T: np.floating](weights: NDArray[T], values: NDArray[T]) -> NDArray[T]:
+    """Return ``weights @ values``, of (k, l) and (l, n): (k, n), in such blocks.
+
+    >>> times(np.array([[1.0, 10.0]]), np.array([[1.0, 2.0], [3.0, 4.0]])).tolist()
+    [[31.0, 42.0]]
+    """
+    size = max(_BLAS_ALONE // max(weights.size, 1), 1)
+    parts = [weights @ values[:, first : first + size] for first in range(0, values.shape[1], size)]
+    return np.concatenate(parts, axis=1) if parts else weights @ values
 
 
 def lengths(x: Floats, y: Floats) -> Floats:

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from z2r.arrays import Bools, Floats, Ints
+from z2r.arrays import Bools, Floats, Ints, products
 from z2r.audits.following import MIN_FRAMES, Following, Pair
 from z2r.audits.motion import LEAP, NOISE_A_FRAME
 from z2r.audits.runs import Runs
@@ -410,10 +410,10 @@ def _explained_at_moments(joints: Joints) -> tuple[Floats, Floats]:
         return np.zeros((len(asked), len(asked))), np.zeros((len(asked), len(asked)))
     both -= both.mean(axis=1, keepdims=True)
     sizes = np.square(both).sum(axis=1)
-    products = (both @ both.T)[: len(asked), len(asked) :]
+    together = products(both[: len(asked)].T, both[len(asked) :].T)
     whole = np.outer(sizes[: len(asked)], sizes[len(asked) :])
-    share = np.divide(np.square(products), whole, out=np.zeros_like(products), where=products != 0)
-    return share, np.sign(products)
+    share = np.divide(np.square(together), whole, out=np.zeros_like(together), where=together != 0)
+    return share, np.sign(together)
 
 
 @UNIT.of(Joints)

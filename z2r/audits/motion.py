@@ -462,23 +462,18 @@ def _nearest(marks: Array) -> tuple[Floats, Ints]:
 
     `marks` are some frames of each, (n_runs, n_marks, size).
     """
-    n, n_marks, size = marks.shape
-    room: NDArray[np.float32] = np.empty((n_marks, size, n), np.float32)  # numpy adds long rows up faster
-    n_columns = 0
-    for column in _in_spreads(marks):
-        room[:, n_columns] = column
-        n_columns += 1
-    if not n_columns:
+    n, columns = len(marks), [*_in_spreads(marks)]
+    if not columns:
         return np.full(n, np.nan), np.zeros(n, dtype=np.int64)
-    room = room[:, :n_columns]
-    order = np.argsort(np.nansum(room[: n_marks // 2], axis=(0, 1)), kind="stable")
+    room = np.stack(columns, axis=1)  # (n_marks, n_columns, n): numpy adds long rows up faster
+    order = np.argsort(np.nansum(room[: len(room) // 2], axis=(0, 1)), kind="stable")
     scaled = room.take(order, axis=2)  # `room` is written over then: new memory is dear
     moves = (np.abs(np.diff(scaled, axis=0)) > _MOVED).sum(axis=(0, 1))
     distance, neighbour = np.full(n, np.inf), np.zeros(n, dtype=np.int64)
     for ahead in range(1, min(_NEIGHBOURS, n - 1) + 1):
         one, other = slice(-ahead), slice(ahead, None)
         between = np.subtract(scaled[..., one], scaled[..., other], out=room[..., one])
-        apart = np.einsum("mcn,mcn->mn", between, between) / n_columns  # (n_marks, n)
+        apart = np.einsum("mcn,mcn->mn", between, between) / len(columns)  # (n_marks, n)
         common = np.isfinite(apart).sum(axis=0)
         far = np.sqrt(np.nansum(apart, axis=0) / np.maximum(common, 1))
         far[(common < _COMMON) | (moves[one] < _TELLING)] = np.inf

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from z2r.arrays import Bools, Columns, Floats, Ints
+from z2r.arrays import Bools, Columns, Floats, Ints, products, times
 from z2r.audits.runs import Runs
 from z2r.check import Answer, Check
 from z2r.errors import Fault, count
@@ -148,14 +148,15 @@ def _off(moments: NDArray[np.float32], told: Ints) -> _Off:
     scale = np.array(scales, np.float32).T[..., None, None]
     fold, good = np.arange(len(told)) % _FOLDS, np.ones(len(told), dtype=bool)
     for _ in range(_ROUNDS):
-        sums = [_products(_scaled(series, scale, told[good & (fold == one)])) for one in range(_FOLDS)]
+        learned = (_scaled(series, scale, told[good & (fold == one)]).T for one in range(_FOLDS))
+        sums = [products(each, each).astype(np.float64) for each in learned]
         far = np.empty((len(told), n_columns))
         for one in range(_FOLDS):
             others = sum(sums) - sums[one]
             covariance = others / max((good & (fold != one)).sum() * n_moments, 1)
             inverse = np.linalg.inv(covariance + _DOUBT * np.eye(len(series)))
             weights = (inverse / np.diag(inverse))[:, ::2].T.astype(np.float32)  # (n_columns, 2 n_columns)
-            left = (weights @ _scaled(series, scale, told[fold == one])).reshape(n_columns, n_moments, -1)
+            left = times(weights, _scaled(series, scale, told[fold == one])).reshape(n_columns, n_moments, -1)
             far[fold == one] = np.sqrt(np.square(left, out=left).mean(axis=1)).T
         usual = np.median(far, axis=0)
         limit = np.maximum(np.maximum(_FAR, _FARTHER * usual), _FARTHEST * np.quantile(far, 0.8, axis=0))
@@ -165,12 +166,6 @@ def _off(moments: NDArray[np.float32], told: Ints) -> _Off:
             break
         good = now
     return _Off(far, usual, wrong & (wrong.mean(axis=0) <= _FEW))
-
-
-def _products(scaled: NDArray[np.float32]) -> Floats:
-    """Sum the products of all columns with each other, (k, n): float64[k, k]."""
-    products: Floats = (scaled @ scaled.T).astype(np.float64)
-    return products
 
 
 def _middle_and_spread(column: NDArray[np.float32]) -> tuple[float, float]:

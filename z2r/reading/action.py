@@ -18,7 +18,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from z2r.arrays import Bools, Columns, Floats, Ints
+from z2r.arrays import Bools, Columns, Floats, Ints, products
 from z2r.errors import count
 from z2r.format.episodes import EpisodeIndex
 from z2r.format.schema import ACTION, Schema
@@ -31,7 +31,6 @@ _ALL_FOLLOW = 0.97  # explained: below, a joint may be held back at times
 _NOISY = 0.9  # explained: below, nobody knows which of the two is noisy
 _CLOSE = 0.02  # of the action's span
 _BESIDE = 1.6  # times: what holds a joint back makes a factor look so much larger at most
-_BLAS_ALONE = 200_000  # multiplications: OpenBLAS takes one thread for so few
 _MIN_FRAMES = 60  # from fewer nothing is said
 _MAX_COLUMNS = 256  # of the state
 
@@ -329,7 +328,7 @@ def _regress(asked: Floats, seen: Floats) -> tuple[Floats, Floats, Floats]:
     way round: noise would make the factor smaller than it is.
     """
     n, mean_a, mean_s = len(asked), asked.mean(axis=0), seen.mean(axis=0)
-    both = _cross(asked, seen) / n - np.outer(mean_a, mean_s)  # (n_dims, n_columns)
+    both = products(asked, seen) / n - np.outer(mean_a, mean_s)  # (n_dims, n_columns)
     var_a = (np.einsum("ij,ij->j", asked, asked) / n - np.square(mean_a))[:, None]
     var_s = (np.einsum("ij,ij->j", seen, seen) / n - np.square(mean_s))[None]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -337,16 +336,6 @@ def _regress(asked: Floats, seen: Floats) -> tuple[Floats, Floats, Floats]:
         factor = np.where(both == 0, 0.0, var_a / both)
         offset = mean_a[:, None] - factor * mean_s[None]
     return explained, factor, offset
-
-
-def _cross(asked: Floats, seen: Floats) -> Floats:
-    """Return ``asked.T @ seen``, in blocks that BLAS multiplies in one thread: its threads cost more than they save."""
-    n_dims, n_columns = asked.shape[1], seen.shape[1]
-    size = max(_BLAS_ALONE // max(n_dims * n_columns, 1), 1)
-    whole = len(asked) // size * size
-    blocks = asked[:whole].reshape(-1, size, n_dims).transpose(0, 2, 1) @ seen[:whole].reshape(-1, size, n_columns)
-    both: Floats = blocks.sum(axis=0) + asked[whole:].T @ seen[whole:]
-    return both
 
 
 def _answer(sample: ActionSample, dim: int, table: Sequence[_Fits]) -> DrivenColumn:
