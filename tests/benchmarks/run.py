@@ -354,7 +354,7 @@ def main() -> None:
             replay_against_rows(small, scratch, min(args.runs, 3)),
             command_against_inspect("report --no-audit", 3, big, scratch, args.runs),
             size_of_page(scratch / "z2r-out/report.html"),
-            command_against_inspect("audit", 3, real, scratch, args.runs),
+            command_against_inspect("audit", 2, real, scratch, args.runs),
             command_against_inspect("report", 3, real, scratch, args.runs),
             replay_against_reading(scratch, args.runs),
             import_against_bare_interpreter(scratch, args.runs),

@@ -170,13 +170,14 @@ def _stacked(columns: Sequence[dict[str, Any]]) -> dict[str, Any]:
     return {name: stack_columns([column[name] for column in columns]) for name in columns[0]}
 
 
-def _still_column(first: Floats, count: Ints) -> tuple[dict[str, Floats], dict[str, Any]]:
-    """Sum up a column that never changes: all of its frames say what the first of each run does."""
-    still, starts, once = np.zeros(len(first)), np.arange(len(first)), np.ones_like(count)
-    spare = np.empty((2, len(first)))
-    stats = _column_stats(first, still, still, starts, once, spare)
-    steps = _column_steps(first, still, still, still > 0, stats, starts, once, starts, spare)
-    return stats, steps | dict.fromkeys(("at_low", "at_high"), count.astype(np.int32))
+def _still_column(value: Floats, count: Ints) -> tuple[dict[str, Floats], dict[str, Any]]:
+    """Sum up a column that never changes: in each run it has this value, and nothing happens."""
+    nothing, never = np.zeros(len(count)), np.zeros(len(count), np.int32)
+    stats = dict.fromkeys(("low", "high", "mean"), value) | dict.fromkeys(("squares", "step", "spike"), nothing)
+    steps: dict[str, Any] = dict.fromkeys(("around", "path", "noise", "stall", "stall_leap"), nothing)
+    steps |= dict.fromkeys(("at", "moves", "stall_at", "stall_length"), never)
+    steps |= dict.fromkeys(("at_low", "at_high"), count.astype(np.int32))
+    return stats, steps | {"alternates": never > 0}
 
 
 def _column_stats(

@@ -221,8 +221,8 @@ def fold_tasks(frames: FileFrames) -> Ints | None:
     if task is None:
         return None
     begins = np.union1d(starts, np.flatnonzero(np.diff(task)) + 1)
-    run = np.searchsorted(starts, begins, side="right") - 1
-    return np.unique(np.stack([run, task[begins]], axis=1), axis=0)
+    pairs = np.stack([np.searchsorted(starts, begins, side="right") - 1, task[begins]], axis=1)
+    return pairs if len(begins) == len(starts) else np.unique(pairs, axis=0)  # as a rule, each has one
 
 
 def _tasks_of_episodes(runs: Runs) -> Iterator[_Tasks]:

@@ -49,9 +49,8 @@ def pusher_in_block(decoded: Decoded) -> tuple[Floats, Floats]:
     across, along : ndarray, float64[n_frames]
         Coordinates of the pusher's centre in the frame of the block [m]: the bar lies across, the stem along.
     """
-    block, pusher, yaw = decoded.pose("tee"), decoded.pose("pusher"), decoded.yaw("tee")
+    block, pusher, (cosine, sine) = decoded.pose("tee"), decoded.pose("pusher"), decoded.direction("tee")
     dx, dy = pusher.x - block.x, pusher.y - block.y
-    sine, cosine = np.sin(yaw), np.cos(yaw)
     return cosine * dx + sine * dy, -sine * dx + cosine * dy
 
 

@@ -59,6 +59,12 @@ class Decoded:
             raise ValueError(f"found no yaw of {name}, expected one in the reading {self.reading.name}")
         return yaw
 
+    def direction(self, name: str) -> tuple[Floats, Floats]:
+        """Return cosine and sine of the yaw of a body, which its reading has: each float64[n_frames]."""
+        yaw = self.reading.poses[name].yaw
+        assert yaw is not None
+        return yaw.direction(self.columns)
+
     def take(self, frames: slice | Array) -> "Decoded":
         """Return some of the frames."""
         action = None if self.action is None else self.action[frames]

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import msgspec
 import numpy as np
 
-from z2r.arrays import Floats
+from z2r.arrays import Floats, lengths
 from z2r.reading.angles import decode_yaw
 
 
@@ -56,6 +56,21 @@ class YawColumns(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_d
         if self.sin is not None and self.cos is not None:
             return decode_yaw(columns[self.sin], columns[self.cos])
         return columns[self.rad] if self.rad is not None else np.deg2rad(columns[str(self.deg)])
+
+    def direction(self, columns: Mapping[str, Floats]) -> tuple[Floats, Floats]:
+        """Return cosine and sine of the yaw in every frame, each float64[n_frames]; as they are stored, where they are.
+
+        They are brought to length 1. Of a sine and a cosine that are both 0 the yaw is 0, as for `decode`.
+        """
+        if self.sin is None or self.cos is None:
+            yaw = self.decode(columns)
+            return np.cos(yaw), np.sin(yaw)
+        cosine, sine = columns[self.cos], columns[self.sin]
+        length = lengths(cosine, sine)
+        one, other = np.ones(len(length)), np.zeros(len(length))
+        np.divide(cosine, length, out=one, where=length > 0)
+        np.divide(sine, length, out=other, where=length > 0)
+        return one, other
 
 
 class QuaternionColumns(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True, kw_only=True):
