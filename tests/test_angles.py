@@ -4,6 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from z2r.reading.angles import decode_yaw, wrap_angle
+from z2r.reading.poses import YawColumns
 
 angles = st.floats(-1e4, 1e4)
 yaws = st.floats(-np.pi, np.pi)
@@ -39,3 +40,20 @@ def test_arrays_keep_their_shape_and_float32_is_decoded_in_float64():
     decoded = decode_yaw(sin_yaw, sin_yaw + 1)
     assert decoded.shape == (4, 3)
     assert decoded.dtype == wrap_angle(sin_yaw).dtype == np.float64
+
+
+@pytest.mark.parametrize("how", [YawColumns(sin="s", cos="c"), YawColumns(rad="r"), YawColumns(deg="d")])
+@given(yaw=yaws, length=st.sampled_from([1e-3, 1.0, 7.0]))
+def test_a_direction_is_cosine_and_sine_of_the_yaw(how, yaw, length):
+    stored = {"s": length * np.sin(yaw), "c": length * np.cos(yaw), "r": yaw, "d": np.rad2deg(yaw)}
+    columns = {name: np.array([value]) for name, value in stored.items()}
+    [cosine], [sine] = how.direction(columns)
+    [decoded] = how.decode(columns)
+    assert (cosine, sine) == pytest.approx((np.cos(decoded), np.sin(decoded)), abs=1e-12)
+
+
+def test_where_neither_sine_nor_cosine_is_stored_the_direction_is_that_of_yaw_0():
+    nothing = {"s": np.zeros(1), "c": np.zeros(1)}
+    how = YawColumns(sin="s", cos="c")
+    assert [each.tolist() for each in how.direction(nothing)] == [[1.0], [0.0]]
+    assert how.decode(nothing).tolist() == [0.0]

@@ -20,6 +20,7 @@ import z2r
 from z2r.arrays import Columns
 from z2r.audits import relations
 from z2r.audits.following import Following, Pair, fold_following
+from z2r.audits.motion import _coarse_steps
 from z2r.audits.steps import run_sums
 from z2r.reading.reading import ColumnMeaning
 
@@ -204,24 +205,70 @@ def test_nothing_follows_where_nothing_moves(value, still, seed):
     assert np.isnan(found.lag[1, 0])
 
 
-def test_runs_are_summed_up_as_a_loop_over_frames_does():
-    rng = np.random.default_rng(5)
-    values = np.round(np.cumsum(rng.normal(size=(300, 2)), axis=0), 1).astype(np.float32)
-    starts = np.array([0, 90, 91, 200])
+@pytest.mark.parametrize("starts", [[0, 90, 91, 200], [*range(0, 300, 24)]], ids=["few runs", "many runs"])
+def test_runs_are_summed_up_as_a_loop_over_frames_does(starts):
+    rng, starts = np.random.default_rng(5), np.array(starts)
+    values = np.round(np.cumsum(rng.normal(size=(300, 5)), axis=0), 1).astype(np.float32)
+    values[:, 1] = np.clip(values[:, 1], *np.quantile(values[:, 1], [0.2, 0.8]))  # at an end in many runs
+    values[:, 2] = 7  # and never moving
+    values[:, 3] = np.where(np.arange(300) % 24 < 14, values[0, 3], values[:, 3])  # resting, and going on
+    values[:, 4] = np.arange(300) % 24 // 12  # a switch
     stats, found = run_sums(values, starts, fps=10)
     for run, part in enumerate(np.split(values.astype(np.float64), starts[1:])):
+        assert [each[run].tolist() for each in (stats.low, stats.high)] == [part.min(0).tolist(), part.max(0).tolist()]
+        assert stats.mean[run] == pytest.approx(part.mean(axis=0))
+        assert stats.squares[run] == pytest.approx(part.var(axis=0) * len(part))
+        assert found.at_low[run].tolist() == (part == values.min(axis=0)).sum(axis=0).tolist()
+        assert found.at_high[run].tolist() == (part == values.max(axis=0)).sum(axis=0).tolist()
+        for column in range(5):
+            stall = stall_of(part[:, column])
+            told = (found.stall, found.stall_leap, found.stall_at, found.stall_length)
+            assert [each[run, column] for each in told] == pytest.approx(stall)
         steps = np.abs(np.diff(part, axis=0))
         assert found.path[run] == pytest.approx(steps.sum(axis=0))
         assert found.moves[run].tolist() == (steps > 0).sum(axis=0).tolist()
         if len(part) > 1:
             assert stats.step[run] == pytest.approx(steps.max(axis=0))
             at = steps.argmax(axis=0)
-            assert found.at[run].tolist() == (1 + at).tolist()
+            assert found.at[run].tolist() == np.where(steps.any(axis=0), 1 + at, 0).tolist()
             around = np.pad(steps, ((1, 1), (0, 0)))
             beside = [max(around[each, column], around[each + 2, column]) for column, each in enumerate(at)]
             assert found.around[run].tolist() == pytest.approx(beside)
             signed = np.diff(part, axis=0)
             back = np.where(signed[1:] * signed[:-1] < 0, np.minimum(steps[1:], steps[:-1]), 0)
             assert stats.spike[run] == pytest.approx(back.max(axis=0))
-        third = np.abs(np.diff(part, n=3, axis=0))
-        assert found.noise[run] == pytest.approx(third.sum(axis=0) if len(third) else np.zeros(2))
+        third = np.diff(part, n=3, axis=0)
+        assert found.noise[run] == pytest.approx(np.abs(third).sum(axis=0) if len(third) else np.zeros(5))
+        alternates = (third[:-1] * third[1:]).sum(axis=0) < -0.4 * np.square(third).sum(axis=0)
+        assert found.alternates[run].tolist() == alternates.tolist()
+    assert found.stall.any()
+
+
+def stall_of(values: np.ndarray) -> tuple[float, float, int, int]:
+    """Find the worst leap after six frames of rest or more: how many times as far, how far, where, and the rest."""
+    steps, worst = np.abs(np.diff(values, prepend=values[0])), (0.0, 0.0, 0, 0)
+    for frame in range(7, len(values) - 5):
+        rest = 0
+        while frame - 1 - rest > 0 and steps[frame - 1 - rest] == 0:
+            rest += 1
+        after = steps[frame + 1 : frame + 6]
+        if steps[frame] > 0 and rest >= 6 and (after > 0).sum() >= 4:
+            worst = max(worst, (steps[frame] / after.max(), steps[frame], frame, rest))
+    return worst
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(-3, 1), st.integers(8, 40))
+def test_a_coarse_step_is_found_as_by_looking_at_all_gaps(seed, scale, n_moments):
+    rng, step = np.random.default_rng(seed), 10**scale
+    values = np.cumsum(rng.normal(size=(6, n_moments)), axis=1) * 10 ** rng.uniform(-1, 2)
+    values[:3] = np.round(values[:3] / step) * step
+    values[1] += rng.normal(size=n_moments) * 1e-9 * np.ptp(values)  # within one level
+    values[5] = np.nan
+    span = float(np.nanmax(values) - np.nanmin(values))
+    found = _coarse_steps(values, span)
+    for row, own in zip(found, values, strict=True):
+        gaps = np.diff(np.sort(own))
+        gaps = gaps[gaps > 1e-5 * span]
+        coarse = len(gaps) >= 7 and gaps.min() * 100 >= span
+        coarse = coarse and np.abs(own / gaps.min() - np.round(own / gaps.min())).max() <= 0.01
+        assert row == (gaps.min() if coarse else 0)
