@@ -53,7 +53,7 @@ def motion_sums(velocity: Floats, action: Floats, inside: Bools, starts: Ints, l
     hangs[far : far + n] = segment
     sums = np.full((2, 6, len(SHIFTS), len(starts)), np.nan).T  # in memory, episodes lie beside each other
     for place, shift in enumerate(SHIFTS):
-        if place and _surely_at_once(sums):
+        if place == 1 and _surely_at_once(sums):
             break
         # Frame by frame, the action that would be the cause; where there is none, the frame does not count.
         causes = slice(far + shift + lag, far + shift + lag + n)
