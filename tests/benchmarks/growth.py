@@ -20,10 +20,10 @@ Measured on two busy cores of Linux, CPU [s] and peak memory, which counts mappe
 
 | dataset | inspect | polars 2.1.0 | DuckDB 2.0.1 | `pq.read_table` | leanest pyarrow | audit |
 | --- | --- | --- | --- | --- | --- | --- |
-| 10,000 files of 100 frames | 2.3, 124 MiB | 2.3, 259 MiB | 1.9, 156 MiB | | 1.9, 82 MiB | 67, 400 MiB |
-| 1,000,000 frames of 64 columns | 0.9, 242 MiB | | | | | 2.8, 350 MiB |
+| 10,000 files of 100 frames | 2.3, 124 MiB | 2.3, 259 MiB | 1.9, 156 MiB | | 1.9, 82 MiB | 47, 280 MiB |
+| 1,000,000 frames of 64 columns | 0.9, 242 MiB | | | | | 2.4, 365 MiB |
 | 20,000,000 frames in 200,000 episodes | 6.6, 1.2 GiB | 26, 3.0 GiB | 23, 1.2 GiB | 16, 0.4 GiB | 3.9, 0.3 GiB | |
-| 10,000,000 frames in one file, episodes of 1,000 | 226 MiB | | | | | 346 MiB |
+| 10,000,000 frames in one file, episodes of 1,000 | 226 MiB | | | | | 362 MiB |
 | 1,000,000 episodes of 2 frames | 2.9, 0.8 GiB | 5 to 28, 0.6 GiB | 1.5, 0.6 GiB | | | 39, 5.3 GiB |
 | 25,000,000 frames in 250,000 episodes | 16, 1.2 GiB | | | | | |
 | 100,000,000 frames in 1,000,000 episodes | 68, 2.4 GiB | | | | | |
