@@ -89,6 +89,23 @@ def test_an_audit_in_blocks_says_what_one_of_whole_files_says(case, head, tmp_pa
     assert in_blocks == whole
 
 
+@pytest.mark.parametrize("case", [case for case in CASES if case.startswith("damage")])
+def test_a_scene_says_some_episodes_at_a_time_what_it_says_of_all(case, monkeypatch, tmp_path):
+    write, name = CASES[case]
+    write(name, tmp_path / "dataset")
+    whole = audit(tmp_path / "dataset", None, z2r.PUSHT, SCENE)
+    monkeypatch.setattr(audit_module, "_AT_ONCE", 100)
+    assert audit(tmp_path / "dataset", None, z2r.PUSHT, SCENE) == whole
+
+
+def test_rows_are_parted_where_a_run_starts():
+    starts = np.array([0, 70, 150, 190, 300])
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(audit_module, "_AT_ONCE", 100)
+        parts = [*audit_module._some_at_a_time(starts, 450)]
+    assert [(rows.start, rows.stop) for rows in parts] == [(0, 150), (150, 300), (300, 450)]
+
+
 @pytest.fixture(scope="module")
 def arm(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write_arm(tmp_path_factory.mktemp("arm"))[0].root
