@@ -394,6 +394,14 @@ def test_an_address_holds_episode_frame_and_reading(open_report, open_file, tmp_
     expect_frame(page, int(z2r.load(z2r.STANDIN).episodes.lengths[2]) - 1)
 
 
+def test_an_address_that_is_asked_for_as_another_is_written_holds(open_report):
+    page = open_report(z2r.STANDIN)
+    # The page writes where it is a moment after it was drawn: here, just after somebody asked for another place.
+    page.evaluate("location.hash = '#episode=3&frame=20'; history.replaceState(null, '', '#episode=0&frame=0')")
+    expect_frame(page, 20)
+    expect(page.get_by_role("combobox", name="Episode")).to_have_value("3")
+
+
 def test_a_click_on_a_row_goes_to_its_episode_and_arrows_go_on_from_there(open_report):
     page = open_report(z2r.STANDIN)
     page.locator("tr[data-episode='2'] td").first.click()

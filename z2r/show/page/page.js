@@ -862,7 +862,8 @@ byId("more").addEventListener("click", () => turnPage(1));
 for (const ribbon of all(".ribbon")) ribbon.addEventListener("click", (event) => pickInRibbon(ribbon, event));
 document.addEventListener("click", follow);
 document.addEventListener("keydown", onKey);
-window.addEventListener("hashchange", () => go(location.hash));
+// Of two addresses at once the asked one holds: by now, the one that was waiting to be written may stand in its place.
+window.addEventListener("hashchange", ({ newURL }) => go(new URL(newURL).hash));
 
 byId("scale").hidden = false;
 makeCharts();
