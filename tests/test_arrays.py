@@ -1,5 +1,9 @@
 """What all parts reduce arrays with, against numpy itself."""
 
+import platform
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -28,6 +32,36 @@ def test_products_of_many_columns_are_those_of_numpy(size):
     wide = noise(500, size).astype(np.float32)
     np.testing.assert_allclose(products(wide, wide), wide.T @ wide, rtol=1e-3, atol=1e-3)
     assert products(wide, wide).dtype == np.float32
+
+
+FAULTS = """
+import resource, sys
+import numpy as np
+from z2r.arrays import keep_freed_memory
+
+def n_faults():
+    return resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+
+def use():
+    several = [np.ones(2**17) for _ in range(8)]
+
+if sys.argv[1] == "kept":
+    keep_freed_memory()
+use()
+before = n_faults()
+for _ in range(20):
+    use()
+print(n_faults() - before)
+"""
+
+
+@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="when memory is given back is a matter of the C library")
+def test_memory_that_is_freed_is_not_asked_of_the_system_again():
+    kept, given_back = (
+        int(subprocess.run([sys.executable, "-c", FAULTS, how], capture_output=True, check=True).stdout)
+        for how in ("kept", "given back")
+    )
+    assert kept < given_back / 10
 
 
 @given(st.lists(st.tuples(st.floats(-1e6, 1e6), st.floats(-1e6, 1e6)), min_size=1))

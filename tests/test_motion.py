@@ -20,7 +20,7 @@ import z2r
 from z2r.arrays import Columns
 from z2r.audits import relations
 from z2r.audits.following import Following, Pair, fold_following
-from z2r.audits.motion import _coarse_steps
+from z2r.audits.motion import _COMMON, _MOVED, _TELLING, _coarse_steps, _nearest
 from z2r.audits.steps import run_sums
 from z2r.reading.reading import ColumnMeaning
 
@@ -255,6 +255,32 @@ def stall_of(values: np.ndarray) -> tuple[float, float, int, int]:
         if steps[frame] > 0 and rest >= 6 and (after > 0).sum() >= 4:
             worst = max(worst, (steps[frame] / after.max(), steps[frame], frame, rest))
     return worst
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(2, 33), st.integers(1, 4))
+def test_the_nearest_demonstration_is_found_as_by_comparing_all(seed, n, size):
+    rng = np.random.default_rng(seed)
+    marks = np.cumsum(rng.normal(size=(n, 12, size)), axis=1)
+    marks[rng.integers(n, size=n // 3)] = marks[0] + rng.normal(size=(n // 3, 12, size)) * 0.02  # copies
+    marks[rng.integers(n)] = marks[0, 0]  # rests
+    for run, end in enumerate(rng.integers(4, 25, size=n)):
+        marks[run, end:] = np.nan
+    marks[rng.integers(n), rng.integers(12), rng.integers(size)] = np.nan
+    values = (marks - np.nanmean(marks, axis=(0, 1))) / np.nanstd(marks, axis=(0, 1))
+    order = np.nansum(values[:, :6], axis=(1, 2)).argsort()
+    moves = (np.abs(np.diff(values, axis=1)) > _MOVED).sum(axis=(1, 2))
+    apart = np.full((n, n), np.inf)
+    for place, one in enumerate(order):
+        for other in order[place + 1 :]:
+            there = np.isfinite(values[[one, other]]).all(axis=(0, 2))
+            if there.sum() >= _COMMON and moves[one] >= _TELLING:
+                between = np.sqrt(np.square(values[one, there] - values[other, there]).mean())
+                apart[one, other] = apart[other, one] = between
+    distance, neighbour = _nearest(marks)
+    known = np.isfinite(apart.min(axis=1))
+    np.testing.assert_array_equal(np.isfinite(distance), known)
+    np.testing.assert_allclose(distance[known], apart.min(axis=1)[known], rtol=1e-4, atol=1e-5)
+    np.testing.assert_allclose(apart[known, neighbour[known]], apart.min(axis=1)[known], rtol=1e-4, atol=1e-5)
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(-3, 1), st.integers(8, 40))

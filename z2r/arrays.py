@@ -4,6 +4,7 @@ Shapes stand beside the algebra: ``float64[n_frames, 2]`` in a docstring, ``# (n
 """
 
 from collections.abc import Callable, Sequence
+from functools import cache
 from types import NoneType
 from typing import Any
 
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 
 _BLAS_ALONE = 200_000  # multiplications: OpenBLAS takes one thread for so few
 _ROWS_AT_ONCE = 256  # so many of some numbers each fit into the nearest cache
+_LARGE = 2**25 - 2**13  # bytes: the most that glibc takes for the bound of what is large, less what it adds to a block
 
 type Ints = NDArray[np.int64]
 type Floats = NDArray[np.float64]
@@ -27,6 +29,17 @@ type Progress = Callable[[int, int], None]
 
 def no_progress(done: int, total: int) -> None:
     """Show no progress."""
+
+
+@cache
+def keep_freed_memory() -> None:
+    """Let memory that is freed stay with the process, so that the next array does not have to wait for the system.
+
+    What is large, glibc takes from the system and gives back at once; and large is what is larger than any such block
+    before, up to 32 MB (`man 3 mallopt`, M_MMAP_THRESHOLD). So it is enough to ask once for the largest, untouched.
+    Another C library is not changed by that.
+    """
+    np.empty(_LARGE, np.uint8)
 
 
 class Pile:

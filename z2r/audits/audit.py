@@ -19,7 +19,7 @@ import msgspec
 import numpy as np
 from msgspec.structs import replace
 
-from z2r.arrays import Floats, Ints, Pile, Progress, join_all, no_progress
+from z2r.arrays import Floats, Ints, Pile, Progress, join_all, keep_freed_memory, no_progress
 from z2r.audits import (
     cameras,
     deeds,
@@ -407,6 +407,7 @@ def _read_and_fold[T](
     claims: FileClaims,
 ) -> tuple[FileSums, list[T]]:
     """Read one data file, once for all who want to know of it, and in blocks where it is large."""
+    keep_freed_memory()
     blocks, nothing = read_file(claims.path), _Block(FileSums(None, []), [])
     while True:
         try:

@@ -465,17 +465,21 @@ def _nearest(marks: Array) -> tuple[Floats, Ints]:
     n, columns = len(marks), [*_in_spreads(marks)]
     if not columns:
         return np.full(n, np.nan), np.zeros(n, dtype=np.int64)
-    room = np.stack(columns, axis=1)  # (n_marks, n_columns, n): numpy adds long rows up faster
-    order = np.argsort(np.nansum(room[: len(room) // 2], axis=(0, 1)), kind="stable")
-    scaled = room.take(order, axis=2)  # `room` is written over then: new memory is dear
-    moves = (np.abs(np.diff(scaled, axis=0)) > _MOVED).sum(axis=(0, 1))
+    order = np.argsort(sum(np.nansum(column[: len(column) // 2], axis=0) for column in columns), kind="stable")
+    scaled = np.empty((marks.shape[1], len(columns), n), np.float32)  # numpy adds long rows up faster
+    moves, room = np.zeros(n, dtype=np.int64), np.empty_like(scaled)
+    for place, column in enumerate(columns):
+        scaled[:, place] = column[:, order]
+        moves += np.count_nonzero(np.abs(np.diff(scaled[:, place], axis=0)) > _MOVED, axis=0)
+    known: Bools = np.isfinite(scaled).all(axis=1)  # (n_marks, n)
+    scaled[~np.isfinite(scaled)] = 0
     distance, neighbour = np.full(n, np.inf), np.zeros(n, dtype=np.int64)
     for ahead in range(1, min(_NEIGHBOURS, n - 1) + 1):
         one, other = slice(-ahead), slice(ahead, None)
         between = np.subtract(scaled[..., one], scaled[..., other], out=room[..., one])
-        apart = np.einsum("mcn,mcn->mn", between, between) / len(columns)  # (n_marks, n)
-        common = np.isfinite(apart).sum(axis=0)
-        far = np.sqrt(np.nansum(apart, axis=0) / np.maximum(common, 1))
+        apart, both = np.einsum("mcn,mcn->mn", between, between), known[:, one] & known[:, other]  # (n_marks, n)
+        common = np.count_nonzero(both, axis=0)
+        far = np.sqrt((apart * both).sum(axis=0) / (len(columns) * np.maximum(common, 1)))
         far[(common < _COMMON) | (moves[one] < _TELLING)] = np.inf
         for mine, its in ((one, other), (other, one)):
             np.copyto(neighbour[mine], order[its], where=far < distance[mine])

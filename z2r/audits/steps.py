@@ -1,6 +1,5 @@
 """How does each column go from frame to frame? Summed up for each run of frames, so that no file stays in memory."""
 
-import threading
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -19,7 +18,6 @@ _MARK_EVERY = 0.27  # s
 _ALTERNATES = -0.4  # of the squares
 _FEW = 8  # runs, at which to look one by one
 _MIXERS = 2 * np.random.default_rng(0).integers(2**63, size=8, dtype=np.uint64) + 1  # odd
-_ROOM = threading.local()
 NO_SKETCH = np.iinfo(np.uint64).max
 
 
@@ -118,7 +116,7 @@ def run_sums(values: Array, starts: Ints, fps: float | None = None) -> tuple[Run
     count = np.diff(starts, append=len(values))
     n_moving, prints = np.zeros(len(values), dtype=np.int16), np.zeros(len(values), dtype=np.uint64)
     stats, steps = [], []
-    room = _room(len(values))
+    room = np.empty((5, len(values)))
     numbers, change, size, spare = *room[:3], room[3:]
     # Of a run, where a third difference would reach into the run before.
     begins = np.minimum(starts[:, None] + np.arange(3), len(values) - 1).ravel()
@@ -147,14 +145,6 @@ def run_sums(values: Array, starts: Ints, fps: float | None = None) -> tuple[Run
             sketch=None if fps is None else _sketch(prints, n_moving, starts),
         ),
     )
-
-
-def _room(n: int) -> Floats:
-    """Return memory for five columns, which each thread writes over: to get it anew takes longer than to use it."""
-    room: Floats | None = getattr(_ROOM, "room", None)
-    if room is None or room.shape[1] < n:
-        room = _ROOM.room = np.empty((5, n))
-    return room[:, :n]
 
 
 def change_in_runs(values: Floats, starts: Ints, out: Floats | None = None) -> Floats:

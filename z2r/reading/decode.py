@@ -127,7 +127,10 @@ def features_of(reading: Reading, schema: Schema) -> tuple[str, ...]:
 
 def can_decode(frames: Columns, reading: Reading, schema: Schema) -> bool:
     """Tell whether some frames have all columns that a reading reads, those of its action included if it has one."""
-    return not reading.missing(schema) and set(features_of(reading, schema)) <= set(frames)
+    try:
+        return set(features_of(reading, schema)) <= set(frames)
+    except ValueError:
+        return False
 
 
 def _column(features: Mapping[str, Array], feature: str, dim: int) -> Floats:
