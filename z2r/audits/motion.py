@@ -471,7 +471,7 @@ def _nearest(marks: Array) -> tuple[Floats, Ints]:
     for place, column in enumerate(columns):
         scaled[:, place] = column[:, order]
         moves += np.count_nonzero(np.abs(np.diff(scaled[:, place], axis=0)) > _MOVED, axis=0)
-    known: Bools = np.isfinite(scaled).all(axis=1)  # (n_marks, n)
+    known: Bools = np.all(np.isfinite(scaled), axis=1)  # (n_marks, n)
     scaled[~np.isfinite(scaled)] = 0
     distance, neighbour = np.full(n, np.inf), np.zeros(n, dtype=np.int64)
     for ahead in range(1, min(_NEIGHBOURS, n - 1) + 1):
