@@ -190,8 +190,11 @@ def test_a_page_says_which_video_or_picture_is_broken(tmp_path, filmed, photogra
     write_filmed(tmp_path / "filmed", clock)
     video(tmp_path / "filmed", FRONT).write_bytes(b"version https://git-lfs.github.com/spec/v1\n")
     z2r.write_report(z2r.load(tmp_path / "filmed"), tmp_path / "page.html")
-    first, second = data_of((tmp_path / "page.html").read_text())["cameras"]
+    written = (tmp_path / "page.html").read_text()
+    first, second = data_of(written)["cameras"]
+    assert first["missing"].startswith("videos/")
     assert "Git LFS" in first["missing"]
+    assert str(tmp_path) not in written  # a page goes to people who have the dataset elsewhere
     assert (len(first["clips"]), len(second["clips"])) == (0, len(LENGTHS))
 
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from z2r.arrays import Ints
-from z2r.errors import DatasetError, MissingExtraError, printable
+from z2r.errors import DatasetError, MissingExtraError
 from z2r.format.about import Camera
 from z2r.format.dataset import Dataset
 from z2r.format.decoding import Cut, check_can_decode, cut_clip, plan_cut
@@ -121,8 +121,10 @@ def read_films(inspection: Inspection, shown: EpisodeIndex, max_bytes: int) -> l
             check_can_decode()
             clips, why = _cut_clips(inspection.dataset, shown, len(videos) * room)
             missing |= why
-    except (MissingExtraError, DatasetError) as error:
-        missing |= dict.fromkeys(videos, printable(f"No clips: {error}"))
+    except MissingExtraError as error:
+        missing |= dict.fromkeys(videos, f"No clips: {error}")
+    except DatasetError as error:
+        missing |= dict.fromkeys(videos, f"No clips: {_why(inspection.dataset, error)}")
     pictures: dict[str, list[Picture]] = {}
     for name in images:
         pictures[name], missing[name] = _pick_pictures(inspection.dataset, name, shown, room)
@@ -149,8 +151,13 @@ def _pick_pictures(dataset: Dataset, name: str, shown: EpisodeIndex, max_bytes: 
                 break
             picked.append(Picture(int(at[place]), data, media_type))
     except DatasetError as error:
-        return picked, printable(f"{error}")
+        return picked, _why(dataset, error)
     return picked, _NO_ROOM_FOR_PICTURES
+
+
+def _why(dataset: Dataset, error: DatasetError) -> str:
+    """Say what is wrong with a file by its place in the dataset: a page goes to people who have it elsewhere."""
+    return str(error.fault.relative_to(dataset.root))
 
 
 def _spread(shown: EpisodeIndex, n: int) -> Ints:
@@ -203,7 +210,7 @@ def _cut_clips(dataset: Dataset, shown: EpisodeIndex, max_bytes: int) -> tuple[d
             try:
                 plans[name] = videos.plan(name, number, length, room)
             except DatasetError as error:
-                missing[name] = printable(f"{error}")
+                missing[name] = _why(dataset, error)
         left -= sum(plan.n_bytes for plan in plans.values())
         if left < 0:
             return clips, missing | dict.fromkeys(plans, _NO_ROOM)
@@ -214,5 +221,5 @@ def _cut_clips(dataset: Dataset, shown: EpisodeIndex, max_bytes: int) -> tuple[d
                 else:
                     missing[name] = _NO_ROOM if plan.cut.first < len(plan.video.times) else _TOO_SHORT
             except DatasetError as error:
-                missing[name] = printable(f"{error}")
+                missing[name] = _why(dataset, error)
     return clips, missing
