@@ -23,6 +23,7 @@ from z2r.data import find_dataset
 from z2r.data.urls import Url, place_of
 from z2r.errors import DatasetError, Fault, Unreachable
 from z2r.format import remote, store
+from z2r.format.parquet import open_parquet, read_columns
 from z2r.format.remote import FarFile
 from z2r.reading.inspection import metrics_json
 
@@ -290,12 +291,28 @@ def test_ranges_are_claims(storage: Storage, urls: dict[str, str], monkeypatch) 
     monkeypatch.setattr(remote, "_WHOLE", 0)
     with FarFile(path) as file:
         storage.door.heal()
-        file.fetch([(-5, 10), (0, 10**15), (7, 3), (100, 200)] * 50)
-        assert file.read() == whole
+        assert file.fetch([(-5, 10), (0, 10**15), (7, 3), (100, 200)] * 50).read() == whole
         assert storage.door.n_bytes == len(whole)
+        there = file.fetch([(10, 20), (90_000, 90_010)]).read()
+        assert there == bytes(10) + whole[10:20] + bytes(89_980) + whole[90_000:90_010] + bytes(len(whole) - 90_010)
+        assert file.read() == whole  # what was not fetched before is fetched then
     monkeypatch.setattr(remote, "_AT_ONCE", 1000)
     with FarFile(path) as file, pytest.raises(Unreachable, match=r"bytes to fetch at once, expected at most 1,000"):
         file.fetch([(0, len(whole))])
+    with FarFile(path) as file:
+        assert file.fetch([(10, 20)]).read(500) == whole[:500]  # too large to lie in memory as a whole: it asks
+
+
+def test_python_is_not_asked_for_each_row_group(storage: Storage, tmp_path, monkeypatch) -> None:
+    table = pa.table(
+        {"a": np.arange(40_000), "b": np.random.default_rng(0).normal(size=40_000), "c": np.arange(40_000)}
+    )
+    pq.write_table(table, tmp_path / "many.parquet", row_group_size=100)
+    path, asked = place_of(storage.put(tmp_path, "many")) / "many.parquet", []
+    read = remote._Far.read
+    monkeypatch.setattr(remote._Far, "read", lambda far, n=-1: asked.append(n) or read(far, n))
+    assert read_columns(open_parquet(path), path, ["a", "b"]).equals(table.select(["a", "b"]))
+    assert len(asked) < 10
 
 
 @pytest.mark.parametrize("piece", [1, 7, 64, 2**23])

@@ -59,11 +59,12 @@ def _opened(source: pa.NativeFile, **options: Any) -> pq.ParquetFile:
     return file
 
 
-def _fetch(file: pq.ParquetFile, columns: Sequence[str], groups: Sequence[int]) -> None:
-    """Fetch the columns of some row groups at once, of a file that is far away."""
+def _fetched(file: pq.ParquetFile, columns: Sequence[str], groups: Sequence[int]) -> pq.ParquetFile:
+    """Fetch the columns of some row groups at once, of a file that is far away; return the file to read them from."""
     names = tuple(f"{column}." for column in columns)  # a leaf is `observation.state.list.element`
     leaves = [place for place, leaf in enumerate(file.schema) if f"{leaf.path}.".startswith(names)]
-    fetch(file.source, (_range(file.metadata.row_group(group).column(leaf)) for group in groups for leaf in leaves))
+    chunks = (group.column(leaf) for group in map(file.metadata.row_group, groups) for leaf in leaves)
+    return _opened(fetch(file.source, map(_range, chunks)), metadata=file.metadata, pre_buffer=False)
 
 
 def _range(chunk: pq.ColumnChunkMetaData) -> tuple[int, int]:
@@ -104,7 +105,7 @@ def read_columns(
     groups = _leading_row_groups(file, n_rows)
     try:
         if is_far(path):
-            _fetch(file, columns, groups)
+            file = _fetched(file, columns, groups)
         # To hand a small file over to other threads costs more than to read it.
         table = file.read_row_groups(groups, columns=list(columns), use_threads=alone and claimed * a_row > _SMALL)
     except _UNREADABLE as error:
@@ -196,7 +197,7 @@ def read_blocks(
             opened, buffer = (open_streamed(path), _BUFFER) if is_large and not far else (open_mapped(path), 0)
             part = _opened(opened, metadata=file.metadata, buffer_size=buffer, pre_buffer=False)
             if far:
-                _fetch(part, columns, groups)
+                part = _fetched(part, columns, groups)
             for batch in part.iter_batches(at_once, row_groups=groups, columns=list(columns), use_threads=alone):
                 n_read += len(batch)
                 yield pa.Table.from_batches([batch])

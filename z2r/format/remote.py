@@ -101,12 +101,16 @@ class FarFile(pa.PythonFile):  # type: ignore[misc]
 
     def __init__(self, url: Url, ahead: int = 0) -> None: ...
 
-    def fetch(self, ranges: Iterable[Range]) -> None:
-        """Fetch what will be read, in place of what was fetched before.
+    def fetch(self, ranges: Iterable[Range]) -> pa.NativeFile:
+        """Fetch what will be read, in place of what was fetched before, and return a file to read it from.
 
-        Ranges need not be in the file, nor apart: they are the claims of a footer.
+        Ranges need not be in the file, nor apart: they are the claims of a footer. What is in none of them is 0 in the
+        returned file: it lies in memory, for a file of ten thousand row groups is read in as many small pieces, and to
+        ask Python for each takes longer than to decode them. One that is larger than what is fetched at once is not
+        copied, and asks.
         """
         self.far.fetch(ranges)
+        return self.far.in_memory() or self
 
 
 class _Far:
@@ -164,6 +168,19 @@ class _Far:
             (begin, memoryview(b"".join((part, last[: end - known]))) if end > known else part)
             for (begin, end), (_, part) in zip(merged, parts, strict=True)
         ]
+
+    def in_memory(self) -> pa.NativeFile | None:
+        """Return what was fetched as a file of the same size, unless that is too large; the parts go into it."""
+        size = self._opened.size
+        if size > _AT_ONCE:
+            return None
+        if _holds(self._last, 0, size):
+            return pa.BufferReader(self._last[1])
+        whole = bytearray(size)  # memory that is never written costs nothing
+        for begin, part in (*self._parts, self._last):
+            whole[begin : begin + len(part)] = part
+        self._parts = []
+        return pa.BufferReader(whole)
 
 
 def read_far(url: Url, max_bytes: int) -> bytes:

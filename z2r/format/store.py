@@ -383,15 +383,20 @@ def is_far(path: Path) -> bool:
     return isinstance(path, Url)
 
 
-def fetch(file: "pa.NativeFile", ranges: Iterable[tuple[int, int]]) -> None:
+def fetch(file: "pa.NativeFile", ranges: Iterable[tuple[int, int]]) -> "pa.NativeFile":
     """Fetch what will be read of a file that is far away, from one byte on and up to another; they need not be apart.
+
+    Returns
+    -------
+    NativeFile
+        To read just that from.
 
     Raises
     ------
     Unreachable
         If it cannot be fetched.
     """
-    file.fetch(ranges)
+    return file.fetch(ranges)
 
 
 def bytes_fetched() -> int:
