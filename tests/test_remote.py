@@ -303,6 +303,19 @@ def test_ranges_are_claims(storage: Storage, urls: dict[str, str], monkeypatch) 
         assert file.fetch([(10, 20)]).read(500) == whole[:500]  # too large to lie in memory as a whole: it asks
 
 
+@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="nothing says how much memory is used")
+def test_of_a_large_file_what_is_not_fetched_takes_no_memory(storage: Storage, urls: dict[str, str]) -> None:
+    def n_pages() -> int:
+        return int(Path("/proc/self/statm").read_text().split()[1])
+
+    file = FarFile(place_of(urls["arm"]) / "data/chunk-000/file-000.parquet")
+    file.far._opened = file.far._opened._replace(size=2**29)
+    before = n_pages()
+    there = file.far.in_memory()
+    assert there.size() == 2**29
+    assert (n_pages() - before) * 4096 < 2**26
+
+
 def test_python_is_not_asked_for_each_row_group(storage: Storage, tmp_path, monkeypatch) -> None:
     table = pa.table(
         {"a": np.arange(40_000), "b": np.random.default_rng(0).normal(size=40_000), "c": np.arange(40_000)}

@@ -116,7 +116,7 @@ def run_sums(values: Array, starts: Ints, fps: float | None = None) -> tuple[Run
     count = np.diff(starts, append=len(values))
     n_moving, prints = np.zeros(len(values), dtype=np.int16), np.zeros(len(values), dtype=np.uint64)
     stats, steps = [], []
-    room = np.empty((5, len(values)))
+    room = np.empty((5, len(values)))  # once for all columns: to get memory anew for each takes longer than to use it
     numbers, change, size, spare = *room[:3], room[3:]
     # Of a run, where a third difference would reach into the run before.
     begins = np.minimum(starts[:, None] + np.arange(3), len(values) - 1).ravel()

@@ -21,6 +21,7 @@ from functools import cache, partial
 from typing import Any, NamedTuple, Self
 from urllib.parse import urlsplit
 
+import numpy as np
 import pyarrow as pa
 from pyarrow import fs
 
@@ -176,9 +177,9 @@ class _Far:
             return None
         if _holds(self._last, 0, size):
             return pa.BufferReader(self._last[1])
-        whole = bytearray(size)  # memory that is never written costs nothing
+        whole = np.zeros(size, np.uint8)  # of this, what is never written costs nothing: a bytearray writes all of it
         for begin, part in (*self._parts, self._last):
-            whole[begin : begin + len(part)] = part
+            whole[begin : begin + len(part)] = np.frombuffer(part, np.uint8)
         self._parts = []
         return pa.BufferReader(whole)
 
